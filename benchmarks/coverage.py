@@ -34,6 +34,9 @@ from workbench.diagnosis.noise.noise_choice import provisional
 from workbench.diagnosis.result import Noise
 from workbench.diagnosis.run import Outcome
 from workbench.files.faults import InputError
+from workbench.identification.fit import Fit
+from workbench.identification.prediction import ToolErrors
+from workbench.identification.prediction.tool import turns_of
 from workbench.robot.description import Robot
 
 RESULTS = Path(__file__).resolve().parent / "results/coverage.json"
@@ -53,7 +56,8 @@ def _covered(robot: Robot, noise: Noise, other: Campaign) -> dict[str, Any]:
     names = [point.name for point in robot.uncertainty.points] if robot.uncertainty else []
     chosen = [[target.name for target in other.targets].index(name) for name in names]
     model = Model(whole, (), tuple(extended_arm(whole).acting))
-    off = np.linalg.norm(fit(model, noise=provisional(whole), geometry=False).residual[:, chosen], axis=2)
+    judge = fit(model, noise=provisional(whole), geometry=False)
+    off = np.linalg.norm(judge.residual[:, chosen], axis=2)
     near = np.isfinite(off) & errors.measured[:, None]
     far = np.isfinite(off) & ~errors.measured[:, None]
     held = off <= errors.corrected
@@ -64,6 +68,23 @@ def _covered(robot: Robot, noise: Noise, other: Campaign) -> dict[str, Any]:
         "bound_mm": round(1e3 * float(np.median(errors.corrected[near])), 4) if near.any() else None,
         "outside": int(far.sum()),
         "held_outside": round(float(held[far].mean()), 4) if far.any() else None,
+        **(_turned(judge, chosen, errors) if errors.turns is not None else {}),
+    }
+
+
+def _turned(judge: Fit, chosen: list[int], errors: ToolErrors) -> dict[str, Any]:
+    """The same of the tool's turns, where it is measured as a pose: of all points of a pose together."""
+    seen = np.isfinite(judge.residual[:, chosen]).all(axis=2)
+    turned = turns_of(judge.line.prediction.points[:, chosen], seen)
+    residual = np.nan_to_num(judge.residual[:, chosen]).reshape(len(seen), -1, 1)
+    off = np.linalg.norm((turned @ residual)[..., 0], axis=1)
+    near = seen.all(axis=1) & errors.measured
+    if errors.turns is None or not near.any():
+        return {}
+    return {
+        "turns_held": round(float((off <= errors.turns.corrected)[near].mean()), 4),
+        "turns_rms_mrad": round(1e3 * float(np.sqrt(np.mean(off[near] ** 2))), 4),
+        "turns_bound_mrad": round(1e3 * float(np.median(errors.turns.corrected[near])), 4),
     }
 
 

@@ -287,3 +287,15 @@ def test_a_stiffness_is_told_as_tables_have_it():
     slide = JointCompliance(Where(joint="z"), sliding=True)
     assert "(500 N/m)" in slide.sentence(np.array([2e-3]))
     assert "()" not in slide.sentence(np.array([0.0]))
+
+
+def test_what_the_data_do_not_show_stays_within_what_physics_allows():
+    """A prior at whose standard deviation the bounds were let a sixth of all numbers lie beyond each."""
+    (problem, _), bounded = job("6R"), 0
+    for kind in catalogue().values():
+        for effect in kind.sites(problem):
+            for param, std in zip(effect.params, effect.prior(problem), strict=True):
+                if np.isfinite(param.upper - param.lower) and param.spread is None:
+                    bounded += 1
+                    assert 3 * std <= (param.upper - param.lower) / 2 * (1 + 1e-9), (effect.label, param.name)
+    assert bounded > 10

@@ -116,3 +116,19 @@ def test_points_about_the_robots_own_base_have_no_head_in_their_origin(sound):
     near = replace(problem, campaign=replace(sound, points=sound.points - sound.points[0, 0]))
     assert not may_be_head(near.campaign.points.reshape(-1, 3))
     assert not any(kind.sites(near) for kind in (Head, Reflectors, Views))
+
+
+def test_points_of_a_probe_share_its_errors(sound):
+    """Three points of one 6-D measurement are no three reflectors."""
+    seen = seen_by_tracker(sound, lambda r, a, e: (0 * r, 0 * r, 0 * r))
+    for kind in (Reflectors, Views):
+        (each,) = kind.sites(problem_of(seen))
+        probe = problem_of(replace(seen, six_dof=True))
+        (one,) = kind.sites(probe)
+        assert len(one.params) == len(each.params) // 3
+        moved = one.seen(probe, seen.points) @ np.ones(len(one.params))
+        rays = seen.points / np.linalg.norm(seen.points, axis=2)[..., None]
+        assert np.allclose(np.cross(moved, rays), 0, atol=1e-9)  # along its ray, all of them alike
+        assert np.allclose(moved, moved[:, :1], rtol=0.05, atol=0.05 * np.abs(moved).max())
+    assert "the reflector or probe" in one.variable
+    assert "each reflector" in each.variable

@@ -34,6 +34,7 @@ Depends = frozenset[
 ]  # of "joints", "load", "side", "time", "temperature", "torque", "readback", "points", "payload"
 NOTHING: Depends = frozenset()
 UNKNOWN = "unknown"  # the cause of what has no name
+SURELY = 3.0  # standard deviations of a prior at the bounds of what physics allows: nothing is beyond them
 LARGE = 5e-3  # rad or m, from which a motion is said in thousandths
 
 
@@ -220,10 +221,10 @@ class Effect(ABC):
         return True
 
     def prior(self, problem: Problem) -> Array:
-        """(p,) prior standard deviations of the parameters: their spread, what physics allows, or else a
-        thousand usual sizes. Parts that the data do not show stay where a machine can be, a coarse one
-        farther off."""
-        allowed = np.array([(p.upper - p.lower) / 2 for p in self.params])
+        """(p,) prior standard deviations of the parameters: their spread, a third (`SURELY`) of what physics
+        allows, or else a thousand usual sizes. Parts that the data do not show stay where a machine can be, a
+        coarse one farther off."""
+        allowed = np.array([(p.upper - p.lower) / 2 for p in self.params]) / SURELY
         typical = np.array([p.typical for p in self.params])
         spread = np.array([np.nan if p.spread is None else p.spread for p in self.params])
         sized = np.where(np.isfinite(spread), spread, 1e3 * typical) * problem.coarse

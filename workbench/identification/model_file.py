@@ -71,7 +71,7 @@ def model_files(path: Path, robot: Robot, geometry: Array, effects: Sequence[Eff
     }
     table["effects"] = [_given(item.model_dump()) for item in effects]
     if robot.uncertainty is not None:
-        table["prediction"] = robot.uncertainty.model_dump(mode="json")
+        table["prediction"] = robot.uncertainty.model_dump(mode="json", exclude_none=True)
     return {path.parent / urdf: text, path: toml_text(table)}
 
 

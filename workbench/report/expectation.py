@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..files.tables import table_text
-from ..identification.prediction import ToolErrors, required_uncertainty
+from ..identification.prediction import ToolErrors, ToolTurns, required_uncertainty
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 from .drawing import AFTER, BEFORE, MIDDLE, Figure, drawing, plain_log
@@ -27,6 +27,11 @@ HEAD = (
     "pose_id", "target", "x_mm", "y_mm", "z_mm", "dx_mm", "dy_mm", "dz_mm",
     "error_mm", "nominal_bound_mm", "corrected_bound_mm", "outside", "beyond_limits",
 )  # fmt: skip
+TURNED = (
+    "turn_error_mrad",
+    "turn_nominal_bound_mrad",
+    "turn_corrected_bound_mrad",
+)  # where poses were measured
 MISSED, LEFT = "What an uncorrected program misses", "What is left after correction (95 % bound)"
 LISTED = 6  # poses beyond limits, by name
 REASONS = 10  # why poses lie outside of what was measured
@@ -62,6 +67,19 @@ class Expected:
             f"An uncorrected program misses by {mm(1e3 * float(e.length.mean()))} mm (mean of "
             f"{len(e.outside)} poses); after correction the tool stays within {median} mm at half of them, "
             f"within {most} mm at 95 %"
+        )
+
+    @property
+    def turned(self) -> str:
+        """The errors of the tool's turn, in a sentence; "" of a model that was not measured as poses."""
+        e = self.inside
+        if e is None or e.turns is None:
+            return ""
+        median, most = 1e3 * np.quantile(e.turns.corrected, [0.5, 0.95])
+        return (
+            f"Uncorrected, the tool is turned off by {1e3 * float(e.turns.angle.mean()):.2g} mrad (mean); "
+            f"after correction it keeps its orientation within {median:.2g} mrad at half of the poses, "
+            f"within {most:.2g} mrad at 95 %."
         )
 
     @property
@@ -120,7 +138,11 @@ class Expected:
     @property
     def text(self) -> str:
         return "\n".join(
-            [*filter(None, (self.scope, f"{self.headline}.", self.kept)), *self.outside, *self.errors.notes]
+            [
+                *filter(None, (self.scope, f"{self.headline}.", self.turned, self.kept)),
+                *self.outside,
+                *self.errors.notes,
+            ]
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -164,6 +186,9 @@ class Expected:
             }
             for name, error, nominal, bound, said, beyond in rows
         ]
+        if e.turns is not None:
+            for pose, *row in zip(out["poses"], *_mrad(e.turns), strict=True):
+                pose |= dict(zip(TURNED, map(float, row), strict=True))
         out["inputs"] = dict(self.inputs)
         return out
 
@@ -180,6 +205,11 @@ class Expected:
         return out
 
 
+def _mrad(turns: ToolTurns) -> tuple[Array, Array, Array]:
+    """(N,) [mrad] each, as `TURNED` has them."""
+    return 1e3 * turns.angle, 1e3 * turns.nominal, 1e3 * turns.corrected
+
+
 def _figures(error: Array | None, bound: Array) -> dict[str, float]:
     mean = {} if error is None else {"error_mean_mm": 1e3 * float(error.mean())}
     half, most = (1e3 * float(v) for v in np.quantile(bound, [0.5, 0.95]))
@@ -194,7 +224,7 @@ def write_expected(expected: Expected, folder: Path) -> None:
         "predict.html",
         title=title,
         headline=expected.headline,
-        more=[said for said in (expected.scope, expected.kept) if said],
+        more=[said for said in (expected.scope, expected.turned, expected.kept) if said],
         words=WORDS,
         outside=expected.outside,
         notes=expected.notes,
@@ -207,7 +237,7 @@ def write_expected(expected: Expected, folder: Path) -> None:
     made = {
         "index.html": page.encode(),
         "scene.html": expected_scene(robot, e, values, measured, title).encode(),
-        "errors.csv": table_text(HEAD, _rows(e)).encode(),
+        "errors.csv": table_text((*HEAD, *(TURNED if e.turns else ())), _rows(e)).encode(),
         "predict.json": json_bytes(expected.to_json()),
     }
     write_together(folder, made)
@@ -218,8 +248,16 @@ def _rows(e: ToolErrors) -> list[Sequence[str]]:
     numbers = np.concatenate(
         [e.places, e.error, e.length[..., None], e.nominal[..., None], e.corrected[..., None]], axis=2
     )
+    turns = np.transpose(_mrad(e.turns)) if e.turns else np.zeros((len(e.outside), 0))
     return [
-        [name, target.name, *(f"{1e3 * value:.4f}" for value in numbers[i, t]), e.outside[i], beyond]
+        [
+            name,
+            target.name,
+            *(f"{1e3 * value:.4f}" for value in numbers[i, t]),
+            e.outside[i],
+            beyond,
+            *(f"{value:.4f}" for value in turns[i]),
+        ]
         for i, (name, beyond) in enumerate(zip(e.campaign.poses.ids, e.beyond_limits, strict=True))
         for t, target in enumerate(e.campaign.targets)
     ]

@@ -19,6 +19,18 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class Turning(_Table):
+    """In a model.toml: what bounds of the tool's turns have where it was measured as a pose, as those of its
+    points in `prediction`."""
+
+    rest: float = Field(ge=0)
+    """rad, one sigma about each axis of what is left unknown"""
+    tempering: float = Field(gt=0)
+    """factor on the bounds, so that 95 % of held-out turns lie inside"""
+    growth: float = Field(ge=0)
+    """1/rad (3 m⁻¹ of a sliding joint): the bound's growth outside of the measured range"""
+
+
 class ToolPoint(_Table):
     """A target on the flange: where the errors are predicted."""
 
@@ -54,6 +66,8 @@ class Uncertainty(_Table):
     """factor on the bounds, so that 95 % of held-out errors lie inside"""
     growth: float = Field(ge=0)
     """1/rad (3 m⁻¹ of a sliding joint): the bound's growth outside of the measured range"""
+    turning: Turning | None = None
+    """of the tool's turns; left out: it was not measured as a pose"""
     lower: Numbers
     """rad or m by joint: least measured angle"""
     upper: Numbers

@@ -167,7 +167,8 @@ class Ranging(FromHead):
 
 @dataclass(frozen=True)
 class OfReflectors(FromHead):
-    """Each of so many reflectors shows its own error of range, by functions of how it is looked at."""
+    """Each of so many reflectors shows its own error of range, by functions of how it is looked at; the
+    points of a 6-D measurement are those of one probe."""
 
     reflectors: float = 1.0
 
@@ -185,13 +186,15 @@ class OfReflectors(FromHead):
     def seen(self, problem: Problem, points: Array) -> Array:
         _, _, _, ray, _ = _polar(problem)
         by = self.by(problem, ray)
+        if self.reflectors == 1:
+            return np.asarray(self.distance * ray[..., None] * by[..., None, :])
         own = np.eye(ray.shape[1])[None, :, :, None] * by[:, :, None, :]  # (N, T, T, f)
         own = own.reshape(*ray.shape[:2], -1)
         return np.asarray(self.distance * ray[..., None] * own[..., None, :])
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
-        count = len(problem.campaign.targets)
+        count = 1 if problem.campaign.six_dof else len(problem.campaign.targets)
         return [cls(distance=one.distance, reflectors=float(count)) for one in cls.at_hand(problem)]
 
 
@@ -219,7 +222,8 @@ class Views(OfReflectors):
 
     @property
     def variable(self) -> str:
-        return "how each reflector is turned to the instrument"
+        which = "the reflector or probe" if self.reflectors == 1 else "each reflector"
+        return f"how {which} is turned to the instrument"
 
     def by(self, problem: Problem, ray: Array) -> Array:
         u = ray @ _turn_of(problem)  # in the base

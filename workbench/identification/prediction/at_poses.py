@@ -24,12 +24,28 @@ from ...robot.kinematics import Array
 from ...robot.ranges import MARGIN, beyond_range
 from ...robot.rotations import from_vectors
 from ...robot.schema import stated_load
-from ...robot.uncertainty import LEAST, Uncertainty
+from ...robot.uncertainty import LEAST, Turning, Uncertainty
 from .tempering import Tempering
-from .tool import tool_motion, tool_points, tool_problem
+from .tool import tool_motion, tool_points, tool_problem, turns_of
 
 TOGETHER = "combination of joints"  # each of them inside of its range
 LOAD, WARMTH, TIME = "load on the flange", "temperature", "time"
+
+
+@dataclass(frozen=True, eq=False)
+class ToolTurns:
+    """How far the tool is turned off at N poses, [rad]. error: (N, 3) the corrected robot's tool from the
+    nominal one's, a rotation vector in the nominal robot's base; nominal, corrected: (N,) angles that 95 % do
+    not exceed without and with the correction."""
+
+    error: Array
+    nominal: Array
+    corrected: Array
+
+    @property
+    def angle(self) -> Array:
+        """(N,) [rad] by which the nominal robot's tool is turned off."""
+        return np.asarray(np.linalg.norm(self.error, axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +65,7 @@ class ToolErrors:
     places: Array
     outside: tuple[str, ...]
     notes: tuple[str, ...]
+    turns: ToolTurns | None = None
 
     def __repr__(self) -> str:
         said = f"{len(self.outside)} poses, nominal error {1e3 * float(self.length.mean()):.3f} mm"
@@ -86,6 +103,8 @@ class ToolErrors:
             corrected=self.corrected[poses],
             places=self.places[poses],
             outside=tuple(said for said, kept in zip(self.outside, poses, strict=True) if kept),
+            turns=self.turns
+            and ToolTurns(self.turns.error[poses], self.turns.nominal[poses], self.turns.corrected[poses]),
         )
 
     def share_inside(self, tolerance: float) -> tuple[float, float]:
@@ -115,7 +134,7 @@ def predict(
     told = tool_problem(problem_of(campaign), targets)
     arm = extended_arm(told)
     found = [_part(told, arm.acting, data, part, instrument) for part in _parts(told)]
-    error, nominal, corrected, places, far = (np.concatenate(each) for each in zip(*found, strict=True))
+    error, nominal, corrected, places, far, *turns = map(np.concatenate, zip(*found, strict=True))
     notes = [*arm.notes, *_sided(told, arm.acting), *_warm(told, data)]
     if data.instrument_inside:
         notes.append("nobody knows the instrument's noise: it is in the bounds as well")
@@ -125,7 +144,8 @@ def predict(
             "about it, and the bounds do not have that; align base and instrument by other points"
         )
     outside = _outside(told, arm.acting, data, far)
-    return ToolErrors(told.campaign, error, nominal, corrected, places, outside, tuple(notes))
+    turned = ToolTurns(*turns) if turns else None
+    return ToolErrors(told.campaign, error, nominal, corrected, places, outside, tuple(notes), turned)
 
 
 def required_uncertainty(robot: Robot) -> Uncertainty:
@@ -158,8 +178,9 @@ def _parts(told: Problem) -> Iterator[NDArray[np.int64]]:
 
 def _part(
     told: Problem, acting: Acting, data: Uncertainty, part: NDArray[np.int64], instrument: float
-) -> tuple[Array, Array, Array, Array, Array]:
-    """Error, bounds without and with correction, nominal places, and the fitted numbers' spread (N,)."""
+) -> tuple[Array, ...]:
+    """Error, bounds without and with correction, nominal places, the fitted numbers' spread (N,); and of the
+    turns, where the model knows of them, error and both bounds."""
     here = replace(told, campaign=told.campaign.some(part))
     at = tool_motion(here, acting)
     moved = at.J @ placed(data, at.names)
@@ -176,10 +197,31 @@ def _part(
     tempering = Tempering(data.rest, data.tempering, data.growth)
     unit = np.where(told.arm.prismatic, 3.0, 1.0)
     beyond = (np.maximum(np.array(data.lower) - here.q, here.q - np.array(data.upper)) * unit).max(axis=1)
-    beyond = np.broadcast_to(np.maximum(beyond, 0.0)[:, None], error.shape[:2])
-    corrected = tempering.bound(fitted, other, beyond)
-    nominal = tempering.bound(fitted, other, beyond, error)
-    return error, nominal, corrected, places, np.sqrt(np.trace(fitted, axis1=2, axis2=3).max(axis=1))
+    beyond = np.maximum(beyond, 0.0)
+    each = np.broadcast_to(beyond[:, None], error.shape[:2])
+    corrected = tempering.bound(fitted, other, each)
+    nominal = tempering.bound(fitted, other, each, error)
+    spread = np.sqrt(np.trace(fitted, axis1=2, axis2=3).max(axis=1))
+    if data.turning is None:
+        return error, nominal, corrected, places, spread
+    turns = _turns(data.turning, at.points, error, (unsure, np.concatenate([joint, play], axis=-1)), beyond)
+    return error, nominal, corrected, places, spread, *turns
+
+
+def _turns(
+    data: Turning, points: Array, error: Array, unsure: tuple[Array, Array], beyond: Array
+) -> tuple[Array, Array, Array]:
+    """Error (N, 3) of the tool's turn, and its bounds (N,) without and with correction. points, error: (N, T,
+    3) [m]; unsure: (N, T, 3, k) one sigma of the points' motions by the fitted numbers, and by the joints."""
+    turned = turns_of(points, np.ones(points.shape[:2], bool))
+
+    def of(motions: Array) -> Array:
+        return np.asarray(turned @ motions.reshape(len(points), -1, motions.shape[-1]))
+
+    fitted, joint = (of(each) @ of(each).swapaxes(-1, -2) for each in unsure)
+    turn = of(error[..., None])[..., 0]
+    tempering = Tempering(data.rest, data.tempering, data.growth)
+    return turn, tempering.bound(fitted, joint, beyond, turn), tempering.bound(fitted, joint, beyond)
 
 
 def placed(data: Uncertainty, names: tuple[str, ...]) -> Array:

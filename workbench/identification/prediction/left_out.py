@@ -1,4 +1,7 @@
-"""Errors and their covariances at poses that a fit did not see: what bounds are measured by."""
+"""Errors and their covariances at poses that a fit did not see: what bounds are measured by.
+
+Of points, or of the turns of a tool that is measured as a pose: [m] reads [rad] then.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,14 @@ from ...robot.kinematics import Array
 from ..fit import Fit
 from ..heldout import folds_of, without_rows
 from ..rows import whitening
+from .tool import turns_of
 
 FOLDS = 10
 PARTS = 5  # of the campaign, one after the other
 CENTRES = 10  # of regions
 SHARES = (0.2, 0.4)  # of the poses that a region has
 END = 0.15  # share of the positions that lie at an end of a joint's range
+RIGID = 3  # points that say how a tool is turned
 
 
 @dataclass(frozen=True)
@@ -44,27 +49,38 @@ class LeftOut:
 
 
 class Leaver:
-    """Leaves poses out of a fit, again and again. points: (T,) which targets are looked at."""
+    """Leaves poses out of a fit, again and again. points: (T,) which targets are looked at; turns: not where
+    they are, but how the tool that carries them is turned."""
 
-    def __init__(self, fit: Fit, points: NDArray[np.bool_]) -> None:
-        self.fit, self.points = fit, points
-        self.plain = fit.motions * fit.columns.prior
+    def __init__(self, fit: Fit, points: NDArray[np.bool_], turns: bool = False) -> None:
+        self.fit = fit
+        count, targets = fit.residual.shape[:2]
+        self.used = fit.model.problem.seen & points & (fit.noise.weight > 0)[:, None]
+        turned = turns_of(fit.line.prediction.points, self.used) if turns else np.zeros(0)
+        if turns:
+            self.used = self.used.sum(axis=1, keepdims=True) >= RIGID
+
+        def looked_at(motions: Array) -> Array:
+            """(N, T or 1, 3, k) of the points' (N, 3 T, k)."""
+            return (turned @ motions)[:, None] if turns else motions.reshape(count, targets, 3, -1)
+
+        self.plain = looked_at((fit.motions * fit.columns.prior)[:, : 3 * targets])
+        self.error = looked_at(np.nan_to_num(fit.residual).reshape(count, -1, 1))[..., 0]
         self.J = fit.J * fit.columns.prior
         self.A = fit.upper.T @ fit.upper
-        self.seen, self.scatter = _noise(fit)
+        self.seen, self.scatter = (_squared(looked_at(half)) for half in _noise(fit))
         self.regions = list(regions(fit.model.problem.q))
 
     def leave(self, here: NDArray[np.bool_], beyond: Array, variance: float) -> LeftOut:
         """The poses `here` (N,) left out; beyond: (N,) as in `LeftOut`; variance: as in `tempered`."""
-        fit, targets = self.fit, self.fit.residual.shape[1]
         own = self.J[here].reshape(-1, self.J.shape[2])
         left = without_rows(self.A, own)
-        change = -np.linalg.solve(left, own.T @ fit.r[here].ravel())
+        change = -np.linalg.solve(left, own.T @ self.fit.r[here].ravel())
         inverse = np.linalg.inv(tempered(left, variance))
-        plain = self.plain[here][:, : 3 * targets].reshape(-1, targets, 3, len(self.A))
-        error = fit.residual[here] - plain @ change
+        plain = self.plain[here]
+        error = self.error[here] - plain @ change
         fitted = np.einsum("ntip,ntjp->ntij", plain @ inverse, plain)
-        mask = fit.model.problem.seen[here] & self.points & (fit.noise.weight[here] > 0)[:, None]
+        mask = self.used[here]
         of, _ = np.nonzero(mask)
         pose = np.flatnonzero(here)[of]
         scatter, seen = self.scatter[here][mask], self.seen[here][mask]
@@ -135,15 +151,18 @@ def joined(parts: list[LeftOut]) -> LeftOut:
 
 
 def _noise(fit: Fit) -> tuple[Array, Array]:
-    """(N, T, 3, 3) [m²] covariances of the points: by the instrument, and by the joints' repeatability."""
-    count, targets = fit.residual.shape[:2]
-    joint = fit.line.by_joint * fit.noise.joint
-    joint = joint.reshape(count, targets, 3, -1)
-    scatter = np.einsum("ntik,ntjk->ntij", joint, joint)
-    sigma = np.broadcast_to((fit.noise.sigma**2)[..., None, None] * np.eye(3), scatter.shape)
+    """(N, 3 T, k) [m] square roots of the points' covariances: by the instrument, and by the joints'
+    repeatability."""
+    rows = 3 * fit.residual.shape[1]
+    scatter = fit.line.by_joint * fit.noise.joint
+    sigma = np.asarray(np.repeat(fit.noise.sigma, 3, axis=1)[..., None] * np.eye(rows))
     if fit.model.problem.campaign.six_dof:
         alone = replace(fit.noise, joint=np.zeros_like(fit.noise.joint))
-        W = whitening(fit.model.problem, fit.line, alone)[:, : fit.point_residual.shape[1], : 3 * targets]
-        half = np.linalg.pinv(W).reshape(count, targets, 3, -1)
-        sigma = np.einsum("ntik,ntjk->ntij", half, half)
-    return np.asarray(sigma), np.asarray(scatter)
+        W = whitening(fit.model.problem, fit.line, alone)[:, : fit.point_residual.shape[1], :rows]
+        sigma = np.asarray(np.linalg.pinv(W))
+    return sigma, np.asarray(scatter)
+
+
+def _squared(half: Array) -> Array:
+    """(..., 3, 3) covariances of square roots (..., 3, k)."""
+    return np.asarray(half @ half.swapaxes(-1, -2))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from ...campaign import Target
@@ -19,14 +20,14 @@ from ...effects.base import Effect
 from ...robot.equilibrium import NoRest
 from ...robot.kinematics import Array
 from ...robot.rotations import from_vectors, skew, vectors
-from ...robot.uncertainty import DIGITS, LEAST, ToolPoint, Uncertainty, factor_lines
+from ...robot.uncertainty import DIGITS, LEAST, ToolPoint, Turning, Uncertainty, factor_lines
 from ..fit import Fit, start_state
 from ..model import Model
 from ..noise import Covariance, stated_noise
 from ..own_base import own_base
 from ..parameters import body_motion
 from ..set_up import fit_set_up
-from .left_out import Leaver, tempered
+from .left_out import RIGID, Leaver, tempered
 from .tempering import is_overstated, temper
 from .tool import ToolMotion, tool_motion, tool_points, tool_problem
 
@@ -94,6 +95,7 @@ def _uncertainty(result: Fit) -> Uncertainty | None:
         repeatability=_numbers(result.noise.joint),
         tempering=tempering.factor,
         growth=tempering.growth,
+        turning=_turning(result, on_flange, known, variance),
         lower=tuple(problem.q.min(axis=0).tolist()),  # not rounded: a joint that was held still has no margin
         upper=tuple(problem.q.max(axis=0).tolist()),
         farthest=float(np.sqrt((fitted**2).sum(axis=(2, 3)).max())),
@@ -103,6 +105,17 @@ def _uncertainty(result: Fit) -> Uncertainty | None:
         instrument_inside=not known,
         measured_mm=_some((at.points.mean(axis=1) - base[:3]) @ from_vectors(base[3:])),
     )
+
+
+def _turning(
+    result: Fit, on_flange: NDArray[np.bool_], instrument_known: bool, variance: float
+) -> Turning | None:
+    """What bounds of the tool's turns have, under the same variance of the fitted numbers; None where it was
+    not measured as a pose."""
+    if not result.model.problem.campaign.six_dof or on_flange.sum() < RIGID:
+        return None
+    found, _ = temper(Leaver(result, on_flange, turns=True), instrument_known, variance)
+    return Turning(rest=found.rest, tempering=found.factor, growth=found.growth)
 
 
 @dataclass(frozen=True)

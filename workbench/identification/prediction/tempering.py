@@ -43,8 +43,9 @@ class Tempering:
         return float(ratio[min(rank, len(ratio)) - 1]) if len(ratio) else 0.0
 
 
-def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
-    """From held-out errors; and their variance over the noise, which the fitted numbers' covariance takes.
+def temper(leaver: Leaver, instrument_known: bool, variance: float | None = None) -> tuple[Tempering, float]:
+    """From held-out errors; and their variance over the noise, which the fitted numbers' covariance takes,
+    where it is not known already.
 
     Poses in the midst of others say what is left unknown. What a model lacks goes on from pose to pose, so
     that its numbers are less sure than as many independent errors would make them: by how much, regions of
@@ -58,7 +59,7 @@ def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     the robot's part, f² (M + R) = g² M + R: d log f = w d log g with w = M / (M + R), and says the less of g,
     the more noise there is. Above 1 what was measured asks for it; below 1 it is taken as f^w.
     """
-    variance = _variance(leaver, instrument_known)
+    variance = _variance(leaver, instrument_known) if variance is None else variance
     out = leaver.by_position(variance)
     rest = _rest(out, instrument_known)
     both = joined([out, leaver.by_part(variance).inside])

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...campaign import Target
 from ...campaign.planned import planned
@@ -63,6 +64,14 @@ def tool_motion(problem: Problem, acting: Acting) -> ToolMotion:
     direct = line.direct.reshape(*shape, -1)
     joint = direct[..., problem.arm.axial]
     return ToolMotion(points, told_apart(cols.names), J.reshape(*shape, -1), direct, joint)
+
+
+def turns_of(points: Array, seen: NDArray[np.bool_]) -> Array:
+    """(N, 3, 3 T) [rad/m] how a rigid tool turns by the motions of its points (N, T, 3), of those that are
+    `seen` (N, T), in least squares."""
+    middle = np.where(seen[..., None], points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)[:, None]
+    A = np.where(seen[..., None, None], body_jacobian(points - middle[:, None]), 0.0)
+    return np.asarray(np.linalg.pinv(A.reshape(len(A), -1, 6))[:, 3:])
 
 
 def told_apart(names: Sequence[str]) -> tuple[str, ...]:
