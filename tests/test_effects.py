@@ -297,5 +297,5 @@ def test_what_the_data_do_not_show_stays_within_what_physics_allows():
             for param, std in zip(effect.params, effect.prior(problem), strict=True):
                 if np.isfinite(param.upper - param.lower) and param.spread is None:
                     bounded += 1
-                    assert 3 * std <= (param.upper - param.lower) / 2 * (1 + 1e-9), (effect.label, param.name)
+                    assert 3 * std <= max(-param.lower, param.upper) * (1 + 1e-9), (effect.label, param.name)
     assert bounded > 10

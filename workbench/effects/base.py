@@ -224,7 +224,7 @@ class Effect(ABC):
         """(p,) prior standard deviations of the parameters: their spread, a third (`SURELY`) of what physics
         allows, or else a thousand usual sizes. Parts that the data do not show stay where a machine can be, a
         coarse one farther off."""
-        allowed = np.array([(p.upper - p.lower) / 2 for p in self.params]) / SURELY
+        allowed = np.array([max(-p.lower, p.upper) for p in self.params]) / SURELY
         typical = np.array([p.typical for p in self.params])
         spread = np.array([np.nan if p.spread is None else p.spread for p in self.params])
         sized = np.where(np.isfinite(spread), spread, 1e3 * typical) * problem.coarse
