@@ -10,9 +10,11 @@ from diagnosis_cases import measured, named, robot
 from workbench.campaign import join, load_campaign, write_campaign
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
+from workbench.diagnosis.result import FaultFound
 from workbench.diagnosis.run import diagnose
 from workbench.effects.unnamed.anew import GeometryAnew, ZeroAnew
 from workbench.identification.model import Model
+from workbench.report.terminal import fault_lines
 
 RUN_OUT = "gear_eccentricity:joint=elbow_joint,variant=1,amplitude=3e-4,phase=0.4"
 
@@ -104,3 +106,9 @@ def test_set_ups_of_a_single_campaign_are_of_one_robot():
     whole = problem_of(setups)
     assert not ZeroAnew.sites(whole)
     assert not GeometryAnew.sites(whole)
+
+
+def test_two_zeros_that_moved_are_two_lines():
+    said = ["the zero of a", "the zero of b"]
+    lines = fault_lines([FaultFound("moved_zero", "1", None, what, "counted") for what in said], "fault")
+    assert lines == [f"fault: moved_zero at pose 1: {what} (counted)" for what in said]
