@@ -163,6 +163,10 @@ class Prepared:
         problem = _measured_only(split_setup(self.problem, step.first))
         return self._again(problem, start_state(problem), (step.fault(self.problem),))
 
+    def counted(self, problem: Problem, faults: tuple[FaultFound, ...]) -> Prepared:
+        """The same with joints counted otherwise in some of the poses."""
+        return self._again(problem, self.geometry.state, faults)
+
     def _again(self, problem: Problem, start: State, faults: tuple[FaultFound, ...]) -> Prepared:
         """The same of the data without further faults."""
         covariance, noise, _ = _noise(problem, self.known_effects, start)

@@ -88,7 +88,7 @@ class Finding:
     place and order do not say it; called: what the field calls it, where its cause does not say it; faint:
     rivals that are not worth a word, but would stand in the way of its name were the others gone;
     taken_back: it undoes what the robot's own model has of it; of_instrument: it goes by what the instrument
-    sees, and is not the robot's."""
+    sees, and is not the robot's; of_campaigns: by the campaign, of several that are fitted as one robot."""
 
     cause: str
     title: str
@@ -106,6 +106,7 @@ class Finding:
     sentence: str = ""
     taken_back: bool = False
     of_instrument: bool = False
+    of_campaigns: bool = False
     equation: str = ""
     evidence: Evidence | None = None
     called: str = ""

@@ -31,7 +31,7 @@ from .place import NOWHERE, Parameter, Where
 Acts = Literal["transmission", "load", "yielding", "geometry", "instrument"]
 Depends = frozenset[
     str
-]  # of "joints", "load", "side", "time", "temperature", "torque", "readback", "points", "payload"
+]  # of "joints", "load", "side", "time", "temperature", "torque", "readback", "points", "payload", "setup"
 NOTHING: Depends = frozenset()
 UNKNOWN = "unknown"  # the cause of what has no name
 SURELY = 3.0  # standard deviations of a prior at the bounds of what physics allows: nothing is beyond them
@@ -121,6 +121,7 @@ class Effect(ABC):
     by_loads: it is how an arm bends under its loads, or may be;
     in_proportion: to them, by one number. held: prior standard deviation of its numbers, where what was found
     elsewhere in the arm holds them.
+    dated: a state of the robot in earlier campaigns, nothing in the last.
     in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure of it, the
     whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`); reading:
     how that is done, as `separate` has it, which is not asked for where it was done.
@@ -149,6 +150,7 @@ class Effect(ABC):
     by_loads: ClassVar[bool] = False
     as_rounded: ClassVar[bool] = False
     in_proportion: ClassVar[bool] = False
+    dated: ClassVar[bool] = False
     in_drake: ClassVar[str]
     wholes: ClassVar[Mapping[str, str]] = {}
     reading: ClassVar[str] = ""
@@ -214,6 +216,15 @@ class Effect(ABC):
     def part(self) -> str:
         """Of forms that come together, those of one part of the machine may be off without the others."""
         return ""
+
+    def as_commanded(self, problem: Problem, values: Array) -> Array | None:
+        """(N, n) joints [rad, m] with which the arm goes where it went with weights (p,) of it, where it is
+        how these were written down and nothing of the arm; None elsewhere."""
+        return None
+
+    def said_by_setup(self, problem: Problem, values: Array, std: Array) -> Sequence[tuple[int, str]]:
+        """Set-ups that it is about, and how large it is there in words, where it is `as_commanded`."""
+        return []
 
     @property
     def lasting(self) -> bool:

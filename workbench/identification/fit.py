@@ -81,8 +81,9 @@ class Fit:
     @cached_property
     def lasting(self) -> Fit:
         """Without functions that have no name and do not stay with the robot (of bearing, order, time), the
-        rest fitted again: part of what they took may be the robot's, and a model predicts without them."""
-        kept = [e for e in self.model.effects if e.cause != UNKNOWN or e.lasting]
+        rest fitted again: part of what they took may be the robot's, and a model predicts without them. What
+        earlier campaigns alone have stays: the rest is the robot of the last."""
+        kept = [e for e in self.model.effects if e.cause != UNKNOWN or e.lasting or e.dated]
         return self if len(kept) == len(self.model.effects) else refit(self, kept)
 
     @property

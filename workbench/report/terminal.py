@@ -18,12 +18,12 @@ INDENT = " " * 14  # of what is said below a cause
 
 
 def fault_lines(faults: Sequence[FaultFound], word: str) -> list[str]:
-    """A line for what is said of several poses alike, and for each other pose with all its targets; beyond
-    some, how many more."""
+    """A line for what is said of several poses alike, or of none of their targets, and for each other pose
+    with all its targets; beyond some, how many more."""
     said = Counter((fault.kind, fault.what) for fault in faults)
     together: dict[tuple[str | None, ...], list[FaultFound]] = {}
     for fault in faults:
-        alike = said[fault.kind, fault.what] > 1 or fault.pose_id is None
+        alike = said[fault.kind, fault.what] > 1 or fault.pose_id is None or fault.target is None
         key = (fault.what,) if alike else (None, fault.pose_id)
         together.setdefault((fault.kind, fault.done, *key), []).append(fault)
     lines = [f"{word}: {_fault_line(group)}" for group in together.values()]

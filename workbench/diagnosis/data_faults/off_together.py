@@ -23,6 +23,7 @@ from ..priors import PRIORS
 from .sag import sag
 
 CHANCE = 1e-3  # that some cause explains as much of poses that are off by chance
+MOSTLY = 0.5  # of a campaign: what is no outlier
 EXPLAINED = 0.5  # of a pose's squares: what is no outlier
 EXACT = 1e-9  # χ², or of it: data without noise
 FREE = 3  # directions that a pose may be off in by chance, its points together
@@ -43,7 +44,19 @@ def no_outliers(result: Fit, wild: Poses) -> Poses:
     sagging = sag(result)
     if sagging.shape[2]:
         columns.append(sagging)
-    return _off_together(result, wild, columns) | _foreseen(result, wild, columns)
+    alike = _of_one_campaign(result, wild)
+    return alike | _off_together(result, wild, columns) | _foreseen(result, wild, columns)
+
+
+def _of_one_campaign(result: Fit, wild: Poses) -> Poses:
+    """(N,) of the wild poses (N,) those of a campaign, of several that are fitted as one robot, that are most
+    of it: its robot is another, or its zeros are, and no pose by itself is wrong."""
+    campaign = result.model.problem.campaign
+    if not campaign.beside:
+        return np.zeros(len(wild), bool)
+    setup = campaign.poses.setup
+    share = np.bincount(setup, wild) / np.maximum(np.bincount(setup), 1)
+    return np.asarray(wild & (share > MOSTLY)[setup])
 
 
 def _off_together(result: Fit, wild: Poses, candidates: Sequence[Array]) -> Poses:

@@ -13,7 +13,7 @@ from ..weighing.remainder import GLOBAL_LEVEL, Remainder
 
 MOST_SAID = 3  # causes that a headline says
 MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
-STEPS = ("moved_instrument", "changed_setup")  # data faults that a headline says
+STEPS = ("moved_instrument", "changed_setup", "moved_zero")  # data faults that a headline says
 MORE = 1.1  # times the held-out error: what a model without what does not last has to leave to be told
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
@@ -99,6 +99,8 @@ def headline(
         left = "Something is left that no known cause explains"
         if any(f.cause == UNKNOWN and f.rivals for f in findings):
             left = "Something is left whose cause is not decided"
+        elif any(f.of_campaigns for f in findings):
+            left = "The robot is not the same in all campaigns"
         elif any(f.of_instrument for f in findings):
             left = "Something is left that looks like the instrument's own error, not the robot's"
         first, then = (said, left) if brought_mm > best / 2 else (left, said)  # what is most of it leads

@@ -160,6 +160,7 @@ def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) ->
         probability=float(np.clip(probability, 0.0, 1.0)),
         separate_by=function.lacks or None,
         of_instrument=function.acts == "instrument",
+        of_campaigns=function.dated,
         structure=structure,
         sentence=f"What is left {structure}.",
         evidence=structure_evidence(final, function),

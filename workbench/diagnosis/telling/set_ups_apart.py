@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...identification.fit import Fit, fit
+from ...identification.fit import Fit, fit, refit
 from ...identification.model import Model, State
 from ...identification.plausible import too_few_alone
 from ...robot.kinematics import Array
@@ -35,6 +35,9 @@ def set_ups_apart(final: Fit) -> list[Apart]:
     names = final.model.problem.campaign.setup_names
     if len(names) == 1:
         return []
+    of_all = [effect for effect in final.model.effects if not effect.dated]
+    if len(of_all) < len(final.model.effects):
+        final = refit(final, of_all)
     return sorted(_each(final, names), key=lambda one: one.alone_mm - one.together_mm)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...campaign.problem import Problem
+from .anew import GeometryAnew, ZeroAnew
 from .base import Unnamed
 from .campaign import Along, Attitude, Clock, PerPayload, Warmth, Zeros
 from .carriage import UnevenCarriage
@@ -20,7 +21,7 @@ from .loads import Load, OwnWeights, StatedForces, Torque, UnevenTilt
 
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Along, Zeros, Warmth, PerPayload, Attitude, Bearing,
-    Head, Ranging, Reflectors, Views, Product,
+    Head, Ranging, Reflectors, Views, ZeroAnew, GeometryAnew, Product,
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (
