@@ -22,7 +22,12 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser(
         "diagnose", help="what the simulation gets wrong, why, and the gain of saying so"
     )
-    parser.add_argument("campaigns", nargs="+", metavar="CAMPAIGN.toml", help="of one robot: fitted together")
+    parser.add_argument(
+        "campaigns",
+        nargs="+",
+        metavar="CAMPAIGN.toml",
+        help="of one robot: fitted together; where it changed between them, the model is of the last",
+    )
     parser.add_argument(
         "--test", metavar="CAMPAIGN.toml", help="judge on this campaign; nothing is fitted on it"
     )
