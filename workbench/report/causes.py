@@ -111,7 +111,7 @@ def _lacks(kind: type[Effect], campaigns: tuple[Problem, ...]) -> str:
     """What is missing where it cannot be tested."""
     said = (kind.needs(campaign) for campaign in campaigns)
     why = next((why for why in said if why is not None), "–")
-    return why.partition(":")[0].replace("1..dir6", "1 …").replace("1..r6", "1 …")
+    return why.partition(":")[0].replace("..", " … ")
 
 
 def _alike(kind: type[Effect]) -> str:
