@@ -13,6 +13,7 @@ from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.search import competition as competing
 from workbench.diagnosis.search.competition import _likeliest, _renamed_at_no_loss, compete
 from workbench.diagnosis.search.worth import VOUCHED, as_sure_as_its_gain
+from workbench.diagnosis.telling.nameless import _as_one, _plain
 from workbench.diagnosis.weighing.chosen import Chosen, Member
 from workbench.diagnosis.weighing.components import Component, Form, bare, cause_components
 from workbench.diagnosis.weighing.gram import Stored
@@ -30,6 +31,7 @@ from workbench.diagnosis.weighing.replication import (
 from workbench.diagnosis.weighing.sets import Competition
 from workbench.diagnosis.weighing.weight import prior_weight
 from workbench.effects.base import UNKNOWN
+from workbench.effects.place import NOWHERE
 from workbench.effects.unnamed.joints import Product
 from workbench.identification.fit import refit
 
@@ -280,3 +282,12 @@ def test_no_cause_by_loads_is_sure_beside_larger_bending_without_a_name(monkeypa
         if by_loads:
             assert cause.probability == pytest.approx(VOUCHED)
     assert said == [("named", []), ("ambiguous", [UNKNOWN])]
+
+
+def test_what_has_no_name_says_each_structure_once():
+    """Two functions of the order of measurement, a long and a short one, are one thing to a reader."""
+    parts = [
+        _plain(f"depends on {what}", "", NOWHERE, 0.1)
+        for what in ("the hand", "time", "time", "the hand", "load")
+    ]
+    assert _as_one(parts, 0.2).structure == "depends on the hand (besides: depends on time; depends on load)"

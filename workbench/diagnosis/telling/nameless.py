@@ -83,7 +83,8 @@ def _as_one(found: list[Finding], worth_mm: float) -> Finding:
     likeliest: dict[tuple[str, Where], Rival] = {}
     for rival in sorted((r for one in found for r in one.rivals), key=lambda r: -r.probability):
         likeliest.setdefault((rival.cause, rival.where), rival)
-    also = "; ".join(finding.structure or "" for finding in others[:ALSO_TOLD])
+    more = dict.fromkeys(finding.structure for finding in others if finding.structure != first.structure)
+    also = "; ".join([one for one in more if one][:ALSO_TOLD])
     structure = f"{first.structure} (besides: {also})" if also else first.structure
     sentence = f"What is left {structure}."
     rivals = tuple(likeliest.values())[:ALSO_TOLD]
