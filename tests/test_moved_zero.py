@@ -42,7 +42,9 @@ def test_a_zero_that_moved_is_told_with_its_size_and_hides_no_cause(tmp_path):
     first, second, other = of_one_robot(tmp_path, zero)
     found = diagnose([first, second], test=other).diagnosis
     (fault,) = [one for one in found.faults if one.kind == "moved_zero"]
-    size, error = (float(v) for v in re.findall(r"(-?\d+(?:\.\d+)?) µrad", fault.what))
+    size, error = (
+        float(v) for v in re.findall(r"(-?\d+(?:\.\d+)?) µrad", fault.what.replace("\N{MINUS SIGN}", "-"))
+    )
     assert "wrist_1_joint" in fault.what
     assert size == pytest.approx(1500, abs=4 * error)
     assert error < 30

@@ -73,6 +73,7 @@ class ZeroAnew(Anew):
 
         def said(k: int, value: float, spread: float) -> str:
             size, error = (motion_said(v, bool(problem.arm.prismatic[j])) for v in (value, spread))
+            size = size.replace("-", "\N{MINUS SIGN}")
             where = f"the zero of {self.where.joint} in {names[k]}"
             return f"{where} is {size} (± {error}) from that in {names[-1]}"
 
