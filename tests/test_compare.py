@@ -722,7 +722,10 @@ def test_a_diagnosis_of_a_robot_that_changed_points_here():
     def diagnosis(after: Campaign):
         return diagnose([before(), replace(after, path=Path("after/campaign.toml"))]).diagnosis
 
-    changed = diagnosis(measured(2, {JOINT_3_ZERO: 1.5e-3}))
+    mastered = diagnosis(measured(2, {JOINT_3_ZERO: 1.5e-3}))
+    assert mastered.verdict == "nothing_missing"
+    assert ["joint_3" in fault.what for fault in mastered.faults if fault.kind == "moved_zero"] == [True]
+    changed = diagnosis(measured(2, effects=(WHEEL,)))
     assert changed.verdict == "unknown"
     assert any("`workbench compare`" in note for note in changed.notes)
     assert not any("`workbench compare`" in note for note in diagnosis(measured(2)).notes)
