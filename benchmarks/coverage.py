@@ -68,18 +68,20 @@ def _covered(robot: Robot, noise: Noise, other: Campaign) -> dict[str, Any]:
         "bound_mm": round(1e3 * float(np.median(errors.corrected[near])), 4) if near.any() else None,
         "outside": int(far.sum()),
         "held_outside": round(float(held[far].mean()), 4) if far.any() else None,
-        **(_turned(judge, chosen, errors) if errors.turns is not None else {}),
+        **_turned(judge, chosen, errors),
     }
 
 
 def _turned(judge: Fit, chosen: list[int], errors: ToolErrors) -> dict[str, Any]:
     """The same of the tool's turns, where it is measured as a pose: of all points of a pose together."""
+    if errors.turns is None:
+        return {}
     seen = np.isfinite(judge.residual[:, chosen]).all(axis=2)
     turned = turns_of(judge.line.prediction.points[:, chosen], seen)
     residual = np.nan_to_num(judge.residual[:, chosen]).reshape(len(seen), -1, 1)
     off = np.linalg.norm((turned @ residual)[..., 0], axis=1)
     near = seen.all(axis=1) & errors.measured
-    if errors.turns is None or not near.any():
+    if not near.any():
         return {}
     return {
         "turns_held": round(float((off <= errors.turns.corrected)[near].mean()), 4),

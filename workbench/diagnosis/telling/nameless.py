@@ -79,12 +79,12 @@ def _with_names(components: Sequence[Component], share: Shares) -> tuple[Rival, 
 def _as_one(found: list[Finding], worth_mm: float) -> Finding:
     """What has no name is one finding: its largest part, the others told with it, and all causes that could
     be one of them."""
-    first, *others = found
+    first = found[0]
     likeliest: dict[tuple[str, Where], Rival] = {}
     for rival in sorted((r for one in found for r in one.rivals), key=lambda r: -r.probability):
         likeliest.setdefault((rival.cause, rival.where), rival)
-    more = dict.fromkeys(finding.structure for finding in others if finding.structure != first.structure)
-    also = "; ".join([one for one in more if one][:ALSO_TOLD])
+    _, *others = dict.fromkeys(one.structure or "" for one in found)
+    also = "; ".join(others[:ALSO_TOLD])
     structure = f"{first.structure} (besides: {also})" if also else first.structure
     sentence = f"What is left {structure}."
     rivals = tuple(likeliest.values())[:ALSO_TOLD]

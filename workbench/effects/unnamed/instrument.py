@@ -186,9 +186,9 @@ class OfReflectors(FromHead):
     def seen(self, problem: Problem, points: Array) -> Array:
         _, _, _, ray, _ = _polar(problem)
         by = self.by(problem, ray)
-        if self.reflectors == 1:
-            return np.asarray(self.distance * ray[..., None] * by[..., None, :])
-        own = np.eye(ray.shape[1])[None, :, :, None] * by[:, :, None, :]  # (N, T, T, f)
+        count = ray.shape[1]
+        which = np.eye(count) if self.reflectors > 1 else np.ones((count, 1))
+        own = which[None, :, :, None] * by[:, :, None, :]  # (N, T, reflectors, f)
         own = own.reshape(*ray.shape[:2], -1)
         return np.asarray(self.distance * ray[..., None] * own[..., None, :])
 
