@@ -29,8 +29,8 @@ from .rows import Equations, Place, equations, fitted_numbers, jacobian, moved, 
 CORRECTIONS = 4  # of a step, until it follows the valley it goes along
 TOLERANCE = 1e-2  # standard deviations, all numbers together
 AS_TOLD = 0.5  # of what a step should gain, from which it may be less damped
-LITTLE, LATELY = 1.0, 3  # χ² that so many steps have gained together: a rough fit is there, or creeps
 ROUGH = 0.3  # of a fit that is a place to start from, and to be linear about
+ROUGHLY, QUITE, LATELY = 1.0, 0.01, 3  # χ² that so many steps have gained together: a fit is there, or creeps
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +198,7 @@ def fit(
     geometry: all of it, none of it, or only the columns 6 · slot + component (tx ty tz rx ry rz) named.
     start: default the registered nominal robot; it may lack the effects' values (zeros then). noise: default
     as the campaign states it. Stops when a step changes no fitted number by more than `tolerance` of its
-    standard deviation, a rough fit when it creeps, or at the start with `max_iterations` 1. line: the
+    standard deviation, when it creeps, or at the start with `max_iterations` 1. line: the
     derivatives at the start, where a fit that ended there has them. Raises ArithmeticError when it does not
     converge, `InputError` without any noise.
     """
@@ -212,11 +212,11 @@ def fit(
     W = whitening(problem, place.line, noise)
     at = equations(place, cols, W)
     normal, damping, converged = _normal(model, cols, at, W), 0.0, False
-    gains = list[float]()
+    gains, little = list[float](), ROUGHLY if tolerance >= ROUGH else QUITE
     for iteration in range(max_iterations):
         step = normal.step(damping)
-        creeps = len(gains) > LATELY and sum(gains[-LATELY:]) < LITTLE
-        converged = (step.length < tolerance and damping == 0.0) or (creeps and tolerance >= ROUGH)
+        creeps = len(gains) > LATELY and sum(gains[-LATELY:]) < little
+        converged = (step.length < tolerance and damping == 0.0) or creeps
         if converged or iteration == max_iterations - 1:
             break
         new = _along(model, cols, at, W, normal, step.change, damping)
