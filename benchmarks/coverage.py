@@ -1,45 +1,26 @@
-"""Whether the bounds of `predict` hold on a measured robot: python benchmarks/coverage.py FOLDER [NAME ...]
+"""Whether the bounds of `predict` hold on poses that a model did not see, measured on the same robot.
 
-FOLDER holds campaigns (NAME/campaign.toml) that are read in place. Each is cut into halves, in the order of
-measurement and three times at random; the model.toml of each half's diagnosis predicts the other half. Where
-NAME is ONE:OTHER, the model of one campaign predicts another of the same robot. Default: halves of them all.
-Base and targets are fitted to the predicted poses, robot unchanged, as for any robot that is set up anew; the
-instrument's noise counts where it is stated. Writes `benchmarks/results/coverage.json`.
+Base and targets are fitted to these poses, robot unchanged, as for any robot that is set up anew; the
+instrument's noise counts where it is stated.
 """
 
-import json
-import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from blind import git
-from halves import cuts
 
-from workbench import (
-    Campaign,
-    Model,
-    diagnose,
-    fit,
-    load_campaign,
-    load_robot,
-    predict,
-    problem_of,
-)
+from workbench import Campaign, Model, fit, load_robot, predict, problem_of
 from workbench import write_fit as write_model
 from workbench.correction.extended_arm import extended_arm
 from workbench.diagnosis.noise.noise_choice import provisional
 from workbench.diagnosis.result import Noise
 from workbench.diagnosis.run import Outcome
-from workbench.files.faults import InputError
 from workbench.identification.fit import Fit
 from workbench.identification.prediction import ToolErrors
 from workbench.identification.prediction.tool import turns_of
 from workbench.robot.description import Robot
-
-RESULTS = Path(__file__).resolve().parent / "results/coverage.json"
 
 
 def covered(outcome: Outcome, other: Campaign) -> dict[str, Any]:
@@ -88,37 +69,3 @@ def _turned(judge: Fit, chosen: list[int], errors: ToolErrors) -> dict[str, Any]
         "turns_rms_mrad": round(1e3 * float(np.sqrt(np.mean(off[near] ** 2))), 4),
         "turns_bound_mrad": round(1e3 * float(np.median(errors.turns.corrected[near])), 4),
     }
-
-
-def by_halves(campaign: Campaign) -> dict[str, Any]:
-    """Each half's model on the other half."""
-    return {
-        cut: [covered(diagnose(a), b) for a, b in ((one, other), (other, one))]
-        for cut, (one, other) in cuts(campaign)
-    }
-
-
-def main(folder: Path, names: list[str]) -> int:
-    kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.is_file() else {}
-    names = names or [path.parent.name for path in sorted(folder.glob("*/campaign.toml"))]
-    for name in names:
-        one, _, other = name.partition(":")
-        try:
-            campaign = load_campaign(folder / one / "campaign.toml")
-            if other:
-                judge = load_campaign(folder / other / "campaign.toml")
-                found = {"whole": [covered(diagnose(campaign), judge)]}
-            else:
-                found = by_halves(campaign)
-        except InputError as error:
-            print(f"{name}: {error}", flush=True)
-            continue
-        kept[name] = {"commit": git("rev-parse", "--short", "HEAD"), "predicted": found}
-        for cut, rows in found.items():
-            print(f"{name}, {cut}: " + "; ".join(str(row) for row in rows), flush=True)
-        RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1]), sys.argv[2:]))

@@ -2,8 +2,12 @@
 
 FOLDER holds campaigns (NAME/campaign.toml) that are read in place. Each is cut into halves, in the order of
 measurement and three times at random (a joint position with its loads and repeats stays whole), and both are
-diagnosed by themselves. Writes `benchmarks/results/halves.json`: what each half names, what it names that the
-other does not, and whether that is at least among the other's causes or their rivals.
+diagnosed by themselves; the model.toml of each predicts the other. Where NAME is ONE:OTHER, the model of one
+campaign predicts another of the same robot. Default: halves of them all.
+
+Writes `benchmarks/results/halves.json`: what each half names, what it names that the other does not, whether
+that is at least among the other's causes or their rivals, and how each is predicted by the other, with its
+bounds (`coverage.py`).
 """
 
 import json
@@ -15,6 +19,7 @@ from typing import Any
 
 import numpy as np
 from blind import git
+from coverage import covered
 
 from workbench import Campaign, diagnose, load_campaign
 from workbench.diagnosis.result import Diagnosis
@@ -53,7 +58,8 @@ def said(found: Diagnosis) -> set[str]:
 
 
 def compared(cut: str, pair: tuple[Campaign, Campaign]) -> dict[str, Any]:
-    both = [diagnose(half).diagnosis for half in pair]
+    outcomes = [diagnose(half) for half in pair]
+    both = [one.diagnosis for one in outcomes]
     names = [named(one) for one in both]
     alone = sorted(names[0] ^ names[1])
     return {
@@ -62,27 +68,37 @@ def compared(cut: str, pair: tuple[Campaign, Campaign]) -> dict[str, Any]:
         "named_by_both": sorted(names[0] & names[1]),
         "named_by_one": alone,
         "of_these_said_by_the_other": [n for n in alone if all(n in said(one) for one in both)],
+        "predicted": [covered(one, other) for one, other in zip(outcomes, reversed(pair), strict=True)],
     }
 
 
+def found_in(folder: Path, name: str) -> dict[str, Any]:
+    """Of a campaign by halves, or of one that predicts another."""
+    one, _, other = name.partition(":")
+    campaign = load_campaign(folder / one / "campaign.toml")
+    if not other:
+        return {"cuts": [compared(*cut) for cut in cuts(campaign)]}
+    judge = load_campaign(folder / other / "campaign.toml")
+    return {"predicted": covered(diagnose(campaign), judge)}
+
+
 def main(folder: Path, names: list[str]) -> int:
-    paths = sorted(folder.glob("*/campaign.toml"))
-    paths = [path for path in paths if not names or path.parent.name in names]
-    if not paths:
+    names = names or [path.parent.name for path in sorted(folder.glob("*/campaign.toml"))]
+    if not names:
         print(f"no campaign.toml in folders of {folder}")
         return 2
     kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.is_file() else {}
-    for path in paths:
+    for name in names:
         began = time.process_time()
         try:
-            found = [compared(*cut) for cut in cuts(load_campaign(path))]
+            found = found_in(folder, name)
         except InputError as error:
-            print(f"{path.parent.name}: {error}", flush=True)
+            print(f"{name}: {error}", flush=True)
             continue
-        kept[path.parent.name] = {"commit": git("rev-parse", "--short", "HEAD"), "cuts": found}
-        print(f"{path.parent.name}: {time.process_time() - began:.0f} s of CPU", flush=True)
-        for cut in found:
-            print(f"  {cut['cut']}: both {cut['named_by_both']}, one {cut['named_by_one']}", flush=True)
+        kept[name] = {"commit": git("rev-parse", "--short", "HEAD"), **found}
+        print(f"{name}: {time.process_time() - began:.0f} s of CPU", flush=True)
+        for row in found.get("cuts", [found]):
+            print("  " + "; ".join(f"{k} {v}" for k, v in row.items()), flush=True)
         RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
     return 0
 
