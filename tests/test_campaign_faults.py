@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +49,8 @@ from workbench.robot.description import load_robot
 def test_faults_of_the_toml(tmp_path: Path, change: tuple[str, str], told: str) -> None:
     assert change[0] in TOML
     got = faults(write_example(tmp_path, TOML.replace(*change, 1)))
-    assert any(fault.startswith(f"campaign.toml: {told}") for fault in got), got
+    said = [re.sub(r"^campaign.toml line \d+: ", "campaign.toml: ", fault) for fault in got]
+    assert any(fault.startswith(f"campaign.toml: {told}") for fault in said), got
 
 
 def test_a_robot_is_no_campaign() -> None:

@@ -93,10 +93,12 @@ def test_robots(capsys):
 def test_causes(capsys):
     status, out, _ = call(capsys, "causes")
     assert status == 0
-    assert [line.split()[0] for line in out.splitlines()] == list(catalogue())
+    names = [line.split()[0] for line in out.splitlines()]
+    assert names == [*catalogue(), "geometry", "unknown"]
     assert any("half_width [rad]" in line for line in out.splitlines())
     listed = {item["cause"]: item for item in json.loads(call(capsys, "causes", "--json")[1])}
-    assert list(listed) == list(catalogue())
+    assert list(listed) == names
+    assert listed["geometry"]["parameters"] == []
     assert listed["backlash"]["parameters"] == [{"name": "half_width", "unit": "rad"}]
     assert listed["backlash"]["sits_at"] == "joint"
 

@@ -33,8 +33,9 @@ BLIND = {"study blind", "study case"}
 
 
 def options(name):
-    """Name → action of what a command takes."""
-    return {action.dest: action for action in COMMANDS[name]._actions if action.dest != "help"}
+    """Name → action of what acts in a command."""
+    idle = ("help", argparse.SUPPRESS)
+    return {action.dest: action for action in COMMANDS[name]._actions if action.dest not in idle}
 
 
 def read_by(function):
@@ -80,19 +81,34 @@ def test_out_says_what_it_is_and_where_by_default(name):
 @pytest.mark.parametrize(
     "call",
     [
-        ["diagnose", "campaign.toml", "--resume"],
-        ["simulate", "kr500", "--random", "3", "--workers", "2"],
-        ["study", "case", "drift/0", "--resume"],
         ["study", "kr500", "--draws", "3"],
         ["study", "blind", "--quick", "--draws", "3"],
         ["verify", "path.csv", "--model", "model.toml", "--workers", "0"],
-        ["robots", "--seed", "1"],
+        ["robots", "--workers", "0"],
+        ["robots", "--out", "here"],
     ],
 )
-def test_an_option_that_would_do_nothing_is_refused(call, capsys):
+def test_an_option_that_is_not_known_or_wrong_is_refused(call, capsys):
     with pytest.raises(SystemExit, match="2"):
         main(call)
     assert "error: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_takes_the_common_options(name):
+    taken = set(COMMANDS[name]._option_string_actions)
+    assert taken >= {"--seed", "--workers", "--resume", "--quick", "--json"}
+
+
+def test_a_common_option_that_does_nothing_is_said_to(capsys):
+    usual = main(["robots", "--json"]), capsys.readouterr().out
+    status = main(["robots", "--seed", "1", "--workers", "2", "--quick", "--resume", "--json"])
+    out, err = capsys.readouterr()
+    assert (status, out) == usual
+    assert err.splitlines() == [
+        f"warning: {option} does nothing in `workbench robots`"
+        for option in ("--seed", "--workers", "--quick", "--resume")
+    ]
 
 
 @pytest.mark.parametrize("call", [["plan", "kr500"], ["simulate", "kr500", "--random", "3"]])

@@ -527,13 +527,14 @@ def test_a_link_that_a_gear_could_mimic_is_not_named():
     assert "not decided" in comparison.headline
 
 
-def test_the_command_writes_its_page_and_ends_with_3(tmp_path, capsys):
+def test_the_command_writes_its_page_and_is_done_whatever_it_found(tmp_path, capsys):
     paths = [
         str(write_campaign(tmp_path / name, campaign))
         for name, campaign in (("may", before()), ("june", measured(2, {(2, 5): 3e-4})))
     ]
-    assert main(["compare", *paths, "--json", "--out", str(tmp_path / "out")]) == 3
+    assert main(["compare", *paths, "--json", "--out", str(tmp_path / "out")]) == 0
     said = json.loads(capsys.readouterr().out)
+    assert main(["compare", *paths, "--exit-code"]) == 3
     assert said == json.loads((tmp_path / "out/comparison.json").read_text(encoding="utf-8"))
     assert said["verdict"] == "changed"
     assert [c["label"] for c in said["campaigns"]] == ["may", "june"]

@@ -175,13 +175,21 @@ def test_the_readmes_way_to_a_program_is_true(measured, monkeypatch, tmp_path, c
     (step,) = re.findall(r"5\. `workbench (.*?)`", Path("README.md").read_text())
     command = step.replace("found/model.toml", "acme.toml").split()  # not diagnosed here
     assert main(command) == 0
-    assert main([*command, "--format", "krl"]) == 2
-    assert "no [controller]" in capsys.readouterr().err
+    capsys.readouterr()
+    assert main([*command, "--format", "krl", "--json"]) == 0
+    said = capsys.readouterr()
+    (warning,) = [line for line in said.err.splitlines() if line.startswith("warning: ")]
+    assert "no [controller]" in warning
+    assert warning.removeprefix("warning: ") in json.loads(said.out)["notes"]
+    (program,) = [Path(file) for file in json.loads(said.out)["files"] if file.endswith(".src")]
+    assert "not checked against the controller" in program.read_text()
     text = Path("acme.toml").read_text()
     start = text.index("# [controller]")
     rest = text.index("\n\n", start)
     Path("acme.toml").write_text(text[:start] + text[start:rest].replace("# ", "") + text[rest:])
-    assert main([*command, "--format", "krl"]) == 0
+    assert main([*command, "--format", "krl", "--force"]) == 0
+    assert "no [controller]" not in capsys.readouterr().err
+    assert "not checked against the controller" not in program.read_text()
 
 
 def table(path, header, rows, separator=","):

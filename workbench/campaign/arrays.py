@@ -37,7 +37,7 @@ def campaign_from(
     try:
         file = CampaignFile.model_validate(said)
     except ValidationError as error:
-        raise InputError(toml_faults(place, error)) from None
+        raise InputError(toml_faults(place, error, CampaignFile)) from None
     poses = _poses(q, robot)
     seen = _points(points, file)
     faults = [*check_targets(place, file, robot), *poses.faults, *seen.faults]

@@ -103,7 +103,7 @@ def read_cell(path: Path) -> CellData:
     try:
         file = _CellFile.model_validate(read_toml(path))
     except ValidationError as error:
-        raise InputError(toml_faults(path, error)) from None
+        raise InputError(toml_faults(path, error, _CellFile)) from None
     return beside(CellData(instrument=file.instrument, obstacles=file.obstacles, driving=file.driving), path)
 
 

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from ..files.faults import Fault, InputError
-from ..files.tables import Column, ColumnPlace, Layout, suggest
+from ..files.tables import Column, ColumnPlace, Layout
 from ..files.toml import read_toml, toml_key
 from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
 from .cell import CellData, DrivingData, InstrumentData, ObstacleData
 from .exports import EXPORTS, PROGRAM_EXPORTS
-from .known import FactData, KnownData, Name
+from .known import KnownData, Name
 
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
@@ -130,7 +129,7 @@ def read_campaign_file(path: Path) -> CampaignFile:
     try:
         file = CampaignFile.model_validate(content)
     except ValidationError as error:
-        raise InputError(_faults(path, error)) from None
+        raise InputError(toml_faults(path, error, CampaignFile, _EXAMPLES)) from None
     faults = [
         Fault(f"{path}: targets.{toml_key(name)}.fixed", "a fixed target needs its place", "give xyz_mm")
         for name, target in file.targets.items()
@@ -155,20 +154,6 @@ def read_campaign_file(path: Path) -> CampaignFile:
     return file
 
 
-def _faults(path: Path, error: ValidationError) -> list[Fault]:
-    """The faults, with the known keys beside an unknown one."""
-    faults = []
-    for item, fault in zip(error.errors(), toml_faults(path, error), strict=True):
-        if item["type"] == "extra_forbidden":
-            known = _keys([part for part in item["loc"][:-1] if isinstance(part, str)])
-            close = suggest(str(item["loc"][-1]), known)
-            fault = replace(fault, mend=close or f"known here: {', '.join(known)}")
-        elif item["type"] == "missing":
-            fault = replace(fault, mend=_EXAMPLES.get(str(item["loc"][-1]), ""))
-        faults.append(fault)
-    return faults
-
-
 _EXAMPLES = {
     "schema": "schema = 1",
     "robot": 'robot = "kr500", or the path of a robot TOML',
@@ -177,27 +162,6 @@ _EXAMPLES = {
     "file": 'file = "poses.csv", say',
     "mass_kg": "mass_kg = 60.0, say",
 }
-_SECTIONS: dict[str, type[BaseModel]] = {
-    "poses": PosesFile,
-    "points": PointsFile,
-    "targets": TargetData,
-    "noise": NoiseData,
-    "known": KnownData,
-    "tool": LoadData,
-    "payloads": LoadData,
-    "instrument": InstrumentData,
-    "obstacles": ObstacleData,
-    "driving": DrivingData,
-}
-
-
-def _keys(place: list[str]) -> list[str]:
-    """The keys that a section of the file may have."""
-    if place[:2] == ["known", "facts"]:
-        return sorted(FactData.model_fields)
-    model = _SECTIONS.get(place[0], CampaignFile) if place else CampaignFile
-    fields = cast(dict[str, Any], model.model_fields)
-    return sorted(field.alias or name for name, field in fields.items())
 
 
 QUATERNION = ("qw", "qx", "qy", "qz")

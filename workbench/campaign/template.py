@@ -149,5 +149,6 @@ Made by `workbench init`. The robot is `{name}.toml`, with `{name}.urdf` beside 
 4. `workbench diagnose campaign.toml --out found` says what is wrong and why: open `found/index.html`.
 5. `workbench compensate PATH.csv --model found/model.toml` corrects a path, joints and frames as in
    `{name}.urdf`. With `--format krl` (or rapid, ls, val3, urscript) it writes a program for the controller:
-   that needs `[controller]`, in `{name}.toml` before step 4, or in `found/model.toml`.
+   state `[controller]` for that, in `{name}.toml` before step 4, or in `found/model.toml`; without it the
+   program has joints and frames as the URDF has them, and says so.
 """

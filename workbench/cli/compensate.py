@@ -24,6 +24,7 @@ from .arguments import (
     started,
     stated,
 )
+from .status import warn
 
 
 def add(commands: Commands) -> None:
@@ -105,4 +106,6 @@ def run(arguments: argparse.Namespace) -> None:
         seed=arguments.seed,
         export=export,
     )
+    for warning in done.warnings:
+        warn(warning)
     print(json.dumps(done.to_json()) if arguments.json else done.text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from typing import Any
 
 from .arguments import Commands, json_option
 
@@ -32,12 +33,12 @@ def robots(arguments: argparse.Namespace) -> None:
 
 
 def causes(arguments: argparse.Namespace) -> None:
-    from ..effects import catalogue
+    from ..effects import BESIDE, catalogue
     from ..report.causes import parameters
 
     known = parameters()
     if arguments.json:
-        found = [
+        found: list[dict[str, Any]] = [
             {
                 "cause": key,
                 "title": kind.title,
@@ -46,6 +47,8 @@ def causes(arguments: argparse.Namespace) -> None:
             }
             for key, kind in catalogue().items()
         ]
+        for key, title in BESIDE.items():
+            found.append({"cause": key, "title": title, "sits_at": None, "parameters": []})
         print(json.dumps(found))
         return
     for key, kind in catalogue().items():
@@ -53,3 +56,5 @@ def causes(arguments: argparse.Namespace) -> None:
         shown = [f"{name} [{unit}]" if unit else name for name, unit in params.items()][:SHOWN]
         said = ", ".join(shown) + (", ..." if len(params) > SHOWN else "")
         print(f"{key:<22} {kind.title} ({place}: {said})")
+    for key, title in BESIDE.items():
+        print(f"{key:<22} {title}")

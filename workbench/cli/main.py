@@ -23,6 +23,7 @@ from . import (
     study,
     verify,
 )
+from .common import take_common
 from .status import guarded
 
 COMMANDS = (
@@ -51,6 +52,7 @@ def command_line() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for module in COMMANDS:
         module.add(commands)
+    take_common(parser)
     return parser
 
 

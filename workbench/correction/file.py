@@ -28,21 +28,27 @@ from .programs import (
     write_program,
 )
 from .programs.files import is_folder
-from .programs.shown import stated_convention
 
 TOLERANCE_MM = 0.01  # of thinning on the command line: what a robot repeats to, and less
+
+UNSTATED = (
+    "joints and frames are as the URDF has them, not checked against the controller; state names, "
+    "signs, zeros and couplings there before an arm is driven by this program"
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Written:
     """A compensated program on disk. rounding: what the format's decimals do at the tool; points: of the
-    program, fewer than samples where legs were put together; inputs: "<folder>/<file>" → SHA-256."""
+    program, fewer than samples where legs were put together; inputs: "<folder>/<file>" → SHA-256; warnings:
+    what the program is not checked against."""
 
     compensation: Compensation
     files: tuple[pathlib.Path, ...]
     rounding: RoundingEffect
     points: int
     inputs: Mapping[str, str]
+    warnings: tuple[str, ...] = ()
 
     def lines(self) -> list[str]:
         """What a user should know, a line each."""
@@ -72,7 +78,7 @@ class Written:
             "between_max_mm": done.between_mm,
             "left_out": [str(item) for item in done.left_out],
             "troubles": [{"sample": t.index, "kind": t.kind, "what": t.what} for t in done.troubles],
-            "notes": list(done.notes),
+            "notes": [*done.notes, *self.warnings],
             "rounding": asdict(self.rounding),
             "inputs": dict(self.inputs),
         }
@@ -110,7 +116,8 @@ def compensate_file(
     """Reads a path, corrects it for the model's robot and writes the program.
 
     out: a file with the format's extension, or a folder; default: beside the path, with `_compensated`.
-    Raises `InputError` with all faults, and then nothing is written.
+    Where the robot does not state how its controller counts, a program is as the URDF has it, with a
+    warning. Raises `InputError` with all faults, and then nothing is written.
     """
     chosen, export = find_format(format), export or Export()
     robot = load_robot(model)
@@ -118,8 +125,9 @@ def compensate_file(
     if chosen.arm_joints not in (None, turning):
         what = f"{turning} turning joints; poses in {chosen.title} say the posture of {chosen.arm_joints}"
         raise InputError(Fault(f"{model}: {robot.name}", what, "use csv"))
-    if chosen.own_joints and not export.as_urdf:
-        stated_convention(robot)
+    unstated = chosen.own_joints and not export.as_urdf and robot.convention is None
+    if unstated:
+        export = replace(export, as_urdf=True)
     wanted = load_path(path, robot)
     conditions = conditions or stated_conditions(robot)
     done = compensate(robot, wanted, conditions, tool=tool, start=start, seed=seed)
@@ -141,7 +149,8 @@ def compensate_file(
         return done.trajectory.forward(told)
 
     effect = rounding_effect(program, chosen, forward)
-    return Written(done, tuple(files), effect, program.count, read)
+    warnings = (f"{model}: no [controller]: {UNSTATED}",) if unstated else ()
+    return Written(done, tuple(files), effect, program.count, read, warnings)
 
 
 def _program(

@@ -13,6 +13,11 @@ from .base import UNKNOWN, Effect
 from .place import NOWHERE, Where
 
 Key = tuple[str, Where]  # cause and place
+BESIDE = {
+    "geometry": "Link lengths, offsets, twists, joint zeros: always fitted, the background, not a finding",
+    UNKNOWN: "Something structured is left that no cause explains",
+}
+"""What a result names besides the catalogue."""
 
 
 @cache

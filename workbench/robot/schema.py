@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from ..files.faults import Fault, InputError
+from ..files.faults import Fault, InputError, read_text
 from ..files.measure import AboveZero
+from ..files.table_columns import suggest
 from ..files.toml import read_toml
+from ..files.toml_place import keys_at, line_of, places
 from .convention import Controller
 from .loop import Loop
 from .uncertainty import Uncertainty
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
+EXAMPLES = {
+    "name": 'name = "my_robot", say',
+    "urdf": 'urdf = "my_robot.urdf", say: the file beside this one',
+    "flange": 'flange = "tool0", say: a link of the URDF',
+    "mass_kg": "mass_kg = 60.0, say",
+}
+"""What a missing key looks like."""
 SAID = {"extra_forbidden": "unknown key", "missing": "is missing"}  # a fault's type → our words
 STANDARD_GRAVITY = 9.80665  # m/s²
 
@@ -198,7 +208,7 @@ def parse_loop(path: Path) -> Loop:
     try:
         return _LoopFile.model_validate(read_toml(path)).controller.loop
     except ValidationError as error:
-        raise InputError(toml_faults(path, error)) from None
+        raise InputError(toml_faults(path, error, _LoopFile)) from None
 
 
 def parse_robot(path: Path) -> RobotFile:
@@ -206,19 +216,31 @@ def parse_robot(path: Path) -> RobotFile:
     try:
         return RobotFile.model_validate(read_toml(path))
     except ValidationError as error:
-        raise InputError(toml_faults(path, error)) from None
+        raise InputError(toml_faults(path, error, RobotFile)) from None
 
 
-def toml_faults(path: Path, error: ValidationError) -> list[Fault]:
-    """The faults that pydantic found in a TOML file, each with its key and value."""
+def toml_faults(
+    path: Path, error: ValidationError, model: type[BaseModel], examples: Mapping[str, str] = EXAMPLES
+) -> list[Fault]:
+    """The faults that pydantic found in a TOML file of the model, each with its line, key and value.
+
+    examples: key → what a missing one looks like.
+    """
+    lines = places(read_text(path) if path.is_file() else "")
     faults = []
     for item in error.errors():
-        key = ".".join(str(part) for part in item["loc"]) or "file"
-        value = item.get("input")
+        *table, name = item["loc"] or ("file",)
+        key, value = ".".join(str(part) for part in (*table, name)), item.get("input")
         said = f" (is {value!r})" if isinstance(value, str | int | float | bool) else ""
         what = SAID.get(item["type"], item["msg"] + said)
         mend = "the first line is schema = 1" if key == "schema" else ""
-        faults.append(Fault(f"{path}: {key}", what, mend))
+        if item["type"] == "extra_forbidden":
+            known = keys_at(model, tuple(table))
+            mend = suggest(str(name), known) or f"known here: {', '.join(known)}"
+        elif item["type"] == "missing":
+            mend = examples.get(str(name), mend)
+        line = line_of(item["loc"], lines)
+        faults.append(Fault(f"{path} line {line}: {key}" if line else f"{path}: {key}", what, mend))
     return faults
 
 

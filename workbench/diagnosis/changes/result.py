@@ -9,7 +9,7 @@ from typing import Any
 
 from ...effects.place import Parameter, Where
 
-UNCHANGED, CHANGED = 0, 3  # exit status of the command
+UNCHANGED, CHANGED = 0, 3  # exit status of `compare --exit-code`
 POSSIBLE = "possible"  # status of a change that may be none
 STEP, BACK, CREEP, LEVELS = "step", "back", "creep", "levels"  # courses of a change over the campaigns
 

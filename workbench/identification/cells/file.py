@@ -63,7 +63,7 @@ def load_cells(path: str | Path) -> CellModel:
     try:
         file = _File.model_validate(content)
     except ValidationError as error:
-        raise InputError(toml_faults(path, error)) from None
+        raise InputError(toml_faults(path, error, _File)) from None
     grid = cells(1e-3 * np.array([file.lower_mm, file.upper_mm]), file.counts)
     if len(file.models) != len(grid):
         what = f"{len(file.models)} models for {len(grid)} cells"

@@ -1,0 +1,35 @@
+"""Options that every command takes, so that a script may give the same to all: where one does nothing that is
+said, and the command runs."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from .arguments import from_zero, positive
+from .status import warn
+
+NUMBERS = {"--seed": from_zero, "--workers": positive}
+FLAGS = ("--resume", "--quick")
+
+
+def take_common(parser: argparse.ArgumentParser) -> None:
+    """Adds to a command, or to all below it, what it lacks of them; `--help` names only what acts."""
+    below = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
+    for commands in below:
+        for command in commands.choices.values():
+            take_common(command)
+    if not below:
+        for option in {*NUMBERS, *FLAGS} - set(parser._option_string_actions):
+            count = 0 if option in FLAGS else None
+            read = NUMBERS.get(option, str)
+            parser.add_argument(
+                option, action=_Idle, nargs=count, type=read, dest=argparse.SUPPRESS, help=argparse.SUPPRESS
+            )
+
+
+class _Idle(argparse.Action):
+    """Is taken, and leaves no trace in what is parsed."""
+
+    def __call__(self, parser: argparse.ArgumentParser, _: Any, __: Any, option: str | None = None) -> None:
+        warn(f"{option} does nothing in `{parser.prog}`")
