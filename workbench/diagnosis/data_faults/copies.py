@@ -10,9 +10,10 @@ from ..result import FaultFound
 
 def without_copies(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:
     """The campaign without poses whose joints, load, time and points are those of an earlier one to the last
-    digit. Taken for repeats they would say that the robot and the instrument have no noise at all."""
+    digit, be it of another campaign. Taken for repeats they would say that the robot and the instrument have
+    no noise at all; taken for two campaigns, that twice as much was measured."""
     poses = campaign.poses
-    columns = [poses.q, poses.payload[:, None], poses.setup[:, None], campaign.points.reshape(len(poses), -1)]
+    columns = [poses.q, poses.payload[:, None], campaign.points.reshape(len(poses), -1)]
     if poses.time is not None:
         columns.append(poses.time[:, None])
     rows = np.concatenate([np.asarray(column, dtype=float) for column in columns], axis=1)

@@ -2,7 +2,7 @@
 something, was repaired, is another specimen; or another tool was mounted than is stated.
 
 Places are zero in the last of the campaigns: a model that leaves them out is the robot as that found it.
-Loads differ from the stated, in any campaign: a model that leaves them out is the robot under the stated ones.
+Loads differ from the stated, in any campaign: a model without them is the robot under the stated ones.
 """
 
 from __future__ import annotations
