@@ -36,7 +36,7 @@ from ..identification.set_up import fit_set_up
 from ..robot.kinematics import Array
 from .data_faults.copies import without_copies
 from .data_faults.mistaken_loads import mistaken_loads
-from .data_faults.moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
+from .data_faults.moved_setup import LEAST_BEFORE, Step, jump, split_campaign, split_setup, step_in_time
 from .data_faults.moved_target import reseated
 from .data_faults.rarely_seen import without_rarely_seen
 from .data_faults.rounded_joints import shared_rounding
@@ -192,11 +192,36 @@ def prepare(
     if isinstance(campaigns, Campaign):
         return _prepared(campaigns, progress, enough)
     every = list(campaigns)
-    whole = join(every)  # what is not one robot is refused as that
+    whole, moved = join(every), tuple[FaultFound, ...]()  # what is not one robot is refused as that
+    if len(every) > 1:
+        progress("looking for steps in each campaign")
+        stepped = [_where_it_moved(campaign) for campaign in every]
+        whole, first = join([campaign for campaign, _ in stepped]), 0
+        for campaign, faults in stepped:
+            ids = dict(zip(campaign.poses.ids, whole.poses.ids[first:], strict=False))
+            moved += tuple(replace(fault, pose_id=ids[str(fault.pose_id)]) for fault in faults)
+            first += len(campaign.poses)
     try:
-        return _prepared(whole, progress, enough)
+        return _prepared(whole, progress, enough, moved)
     except InputError as refused:
         raise _of_its_own(every, refused) from refused
+
+
+def _where_it_moved(campaign: Campaign) -> tuple[Campaign, list[FaultFound]]:
+    """One of several campaigns, in two set-ups where its instrument or tool moved, and that as a fault. Seen
+    in it alone: beside others, these are poses that do not fit."""
+    some = parted(tool_as_modelled(campaign.robot, campaign), MOST_POSES)[0]
+    alone = problem(some)
+    if len(campaign.setup_names) > 1 or too_few_alone(alone):
+        return campaign, []
+    try:
+        sound = _without_faults(alone, tuple(stated_effects(alone)), lambda _: [])
+    except (InputError, ArithmeticError, np.linalg.LinAlgError):  # told of all of them
+        return campaign, []
+    faults = [fault for fault in sound.faults if fault.kind in ("moved_instrument", "changed_setup")]
+    for fault in faults:
+        campaign = split_campaign(campaign, campaign.poses.ids.index(str(fault.pose_id)))
+    return campaign, faults
 
 
 def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputError:
@@ -215,8 +240,10 @@ def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputErro
     return InputError([fault for error in apart for fault in error.faults])
 
 
-def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepared:
-    """One campaign, prepared."""
+def _prepared(
+    campaign: Campaign, progress: Progress, enough: Enough, moved: tuple[FaultFound, ...] = ()
+) -> Prepared:
+    """One campaign, prepared. moved: faults for which it is in set-ups already."""
     progress("loading the robot")
     campaign, spare = parted(tool_as_modelled(campaign.robot, campaign), MOST_POSES)
     campaign, copies = without_copies(campaign)
@@ -226,7 +253,7 @@ def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepare
     try:
         sound = _without_faults(read, tuple(stated_effects(read)), enough)
         progress("fitting geometry")
-        prepared = _fitted(replace(sound, faults=(*copies, *sound.faults)))
+        prepared = _fitted(replace(sound, faults=(*copies, *moved, *sound.faults)))
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
             raise

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from ...campaign import Campaign
 from ...campaign.in_motion import in_motion
 from ...campaign.path_sides import sides_along
 from ...campaign.problem import Problem
@@ -313,11 +314,15 @@ def _before(each: Array) -> Array:
 
 def split_setup(problem: Problem, first: int) -> Problem:
     """The problem with the poses from `first` on in a set-up of their own."""
-    c = problem.campaign
+    return replace(problem, campaign=split_campaign(problem.campaign, first))
+
+
+def split_campaign(c: Campaign, first: int) -> Campaign:
+    """The same of a campaign of one set-up."""
     setup: NDArray[np.int64] = c.poses.setup.copy()
     setup[first:] = len(c.setup_names)
     names = (*c.setup_names, f"{_after(c.setup_names[0])}{c.poses.ids[first - 1]}")
-    return replace(problem, campaign=replace(c.with_poses(setup=setup), setup_names=names))
+    return replace(c.with_poses(setup=setup), setup_names=names)
 
 
 def was_split(name: str, names: Sequence[str]) -> bool:
