@@ -3,7 +3,7 @@
 import numpy as np
 from diagnosis_cases import measured, robot
 
-from workbench.campaign import load_campaign, write_campaign
+from workbench.campaign import join, load_campaign, write_campaign
 from workbench.campaign.planned import random_poses
 from workbench.diagnosis.prepared import prepare
 
@@ -36,10 +36,12 @@ def test_an_instrument_that_moved_in_one_of_several_campaigns_is_told_by_its_pos
         if name == "second":
             campaign.points[25:] += 5e-4
         paths.append(write_campaign(tmp_path / name, campaign))
-    prepared = prepare([load_campaign(path) for path in paths])
+    campaigns = [load_campaign(path) for path in paths]
+    prepared = prepare(campaigns)
+    assert prepare(join(campaigns)).faults == prepared.faults
     (fault,) = prepared.faults
     assert (fault.kind, fault.pose_id) == ("moved_instrument", "second/26")
     campaign = prepared.problem.campaign
-    assert campaign.setup_names == ("first", "second", "second/setup after pose 25")
+    assert campaign.setup_names == ("first", "second", "second after pose second/25")
     assert np.bincount(campaign.poses.setup).tolist() == [40, 25, 15]
     assert campaign.seen.all()

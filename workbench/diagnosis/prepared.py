@@ -192,36 +192,34 @@ def prepare(
     if isinstance(campaigns, Campaign):
         return _prepared(campaigns, progress, enough)
     every = list(campaigns)
-    whole, moved = join(every), tuple[FaultFound, ...]()  # what is not one robot is refused as that
-    if len(every) > 1:
-        progress("looking for steps in each campaign")
-        stepped = [_where_it_moved(campaign) for campaign in every]
-        whole, first = join([campaign for campaign, _ in stepped]), 0
-        for campaign, faults in stepped:
-            ids = dict(zip(campaign.poses.ids, whole.poses.ids[first:], strict=False))
-            moved += tuple(replace(fault, pose_id=ids[str(fault.pose_id)]) for fault in faults)
-            first += len(campaign.poses)
+    whole = join(every)  # what is not one robot is refused as that
     try:
-        return _prepared(whole, progress, enough, moved)
+        return _prepared(whole, progress, enough)
     except InputError as refused:
         raise _of_its_own(every, refused) from refused
 
 
-def _where_it_moved(campaign: Campaign) -> tuple[Campaign, list[FaultFound]]:
-    """One of several campaigns, in two set-ups where its instrument or tool moved, and that as a fault. Seen
-    in it alone: beside others, these are poses that do not fit."""
-    some = parted(tool_as_modelled(campaign.robot, campaign), MOST_POSES)[0]
-    alone = problem(some)
-    if len(campaign.setup_names) > 1 or too_few_alone(alone):
-        return campaign, []
-    try:
-        sound = _without_faults(alone, tuple(stated_effects(alone)), lambda _: [])
-    except (InputError, ArithmeticError, np.linalg.LinAlgError):  # told of all of them
-        return campaign, []
-    faults = [fault for fault in sound.faults if fault.kind in ("moved_instrument", "changed_setup")]
-    for fault in faults:
-        campaign = split_campaign(campaign, campaign.poses.ids.index(str(fault.pose_id)))
-    return campaign, faults
+def _where_each_moved(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:
+    """Several campaigns as one, with two set-ups for one whose instrument or tool moved, and that as a fault.
+    Seen in each alone: beside others, these are poses that do not fit."""
+    found = list[FaultFound]()
+    for k, name in enumerate(campaign.setup_names):
+        poses = np.flatnonzero(campaign.poses.setup == k)
+        if not campaign.seen[poses].any():
+            continue
+        some = campaign.some(poses).with_poses(setup=np.zeros_like(poses))
+        alone = problem(replace(some, setup_names=(name,), beside=()).measured())
+        if too_few_alone(alone):
+            continue
+        try:
+            sound = _without_faults(alone, tuple(stated_effects(alone)), lambda _: [])
+        except (InputError, ArithmeticError, np.linalg.LinAlgError):  # told of all of them
+            continue
+        for fault in (one for one in sound.faults if one.kind in ("moved_instrument", "changed_setup")):
+            first = some.poses.ids.index(str(fault.pose_id))
+            campaign = split_campaign(campaign, int(poses[first]), k)
+            found.append(fault)
+    return campaign, tuple(found)
 
 
 def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputError:
@@ -240,20 +238,21 @@ def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputErro
     return InputError([fault for error in apart for fault in error.faults])
 
 
-def _prepared(
-    campaign: Campaign, progress: Progress, enough: Enough, moved: tuple[FaultFound, ...] = ()
-) -> Prepared:
-    """One campaign, prepared. moved: faults for which it is in set-ups already."""
+def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepared:
+    """One campaign, prepared."""
     progress("loading the robot")
     campaign, spare = parted(tool_as_modelled(campaign.robot, campaign), MOST_POSES)
-    campaign, copies = without_copies(campaign)
+    campaign, faults = without_copies(campaign)
     read = problem(campaign)
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
+    if campaign.beside:
+        campaign, moved = _where_each_moved(campaign)
+        read, faults = problem(campaign), (*faults, *moved)
     try:
         sound = _without_faults(read, tuple(stated_effects(read)), enough)
         progress("fitting geometry")
-        prepared = _fitted(replace(sound, faults=(*copies, *moved, *sound.faults)))
+        prepared = _fitted(replace(sound, faults=(*faults, *sound.faults)))
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
             raise

@@ -317,12 +317,15 @@ def split_setup(problem: Problem, first: int) -> Problem:
     return replace(problem, campaign=split_campaign(problem.campaign, first))
 
 
-def split_campaign(c: Campaign, first: int) -> Campaign:
-    """The same of a campaign of one set-up."""
+def split_campaign(c: Campaign, first: int, k: int = 0) -> Campaign:
+    """The campaign with the poses of its set-up k from `first` on in one of their own."""
     setup: NDArray[np.int64] = c.poses.setup.copy()
-    setup[first:] = len(c.setup_names)
-    names = (*c.setup_names, f"{_after(c.setup_names[0])}{c.poses.ids[first - 1]}")
-    return replace(c.with_poses(setup=setup), setup_names=names)
+    own = np.flatnonzero(setup == k)
+    last = c.poses.ids[own[own < first][-1]]
+    setup[own[own >= first]] = len(c.setup_names)
+    return replace(
+        c.with_poses(setup=setup), setup_names=(*c.setup_names, f"{_after(c.setup_names[k])}{last}")
+    )
 
 
 def was_split(name: str, names: Sequence[str]) -> bool:
