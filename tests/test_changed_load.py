@@ -13,6 +13,7 @@ from workbench.campaign.problem import problem_of
 from workbench.diagnosis.run import diagnose
 from workbench.effects.unnamed.anew import CarriedAnew
 from workbench.identification.model import Model
+from workbench.measurement.design.prior_information import from_prepared
 
 RATIO = "gear_ratio:joint=joint_3,relative=3e-4"
 STATED = 250.0  # kg
@@ -84,3 +85,25 @@ def test_set_ups_of_a_single_campaign_are_one_load():
     campaign = measured("kr500", poses=20, targets=2)
     setups = replace(campaign.with_poses(setup=np.repeat([0, 1], 20)), setup_names=("a", "b"))
     assert not CarriedAnew.sites(problem_of(setups))
+
+
+def test_what_is_of_one_campaign_alone_is_told_by_its_name(tmp_path):
+    """Poses, noise and what is left by set-up; a plan measures the targets that are mounted now."""
+    first, second = (load_campaign(path) for path in carried(tmp_path, STATED, STATED))
+    moved = tuple(replace(t, xyz=tuple(np.add(t.xyz, 0.03))) for t in second.targets)
+    rng = np.random.default_rng(4)
+    points = second.points + 9e-5 * rng.normal(size=second.points.shape)
+    second = replace(second, targets=moved, points=points, noise_sigma=1e-4)
+    outcome = diagnose([first, second])
+    said = outcome.diagnosis.facts["Set-ups"]
+    each = re.findall(r"(c\d): (\d+) poses, (0\.\d+) mm RMS left, noise (0\.\d+) mm", said)
+    assert [(name, poses, noise) for name, poses, _, noise in each] == [
+        ("c1", "25", "0.030"),
+        ("c2", "25", "0.100"),
+    ]
+    assert float(each[1][2]) > 2 * float(each[0][2])
+    prior = from_prepared(outcome.prepared)
+    names = [target.name for target in outcome.problem.campaign.targets]
+    assert {name for name, shown in zip(names, prior.shown, strict=True) if shown} == {
+        f"{target.name} (c2)" for target in second.targets
+    }
