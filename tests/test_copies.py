@@ -8,6 +8,7 @@ from diagnosis_cases import measured
 from workbench.campaign import load_campaign, write_campaign
 from workbench.diagnosis.data_faults.copies import without_copies
 from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.run import diagnose
 
 
 def test_copies_are_left_out_and_told_repeats_stay() -> None:
@@ -37,3 +38,5 @@ def test_a_campaign_that_is_named_twice_by_another_name_is_no_second_one(tmp_pat
     assert "17 poses" in fault.what
     assert "part/4" in fault.what
     assert len(prepared.problem.q) == 20
+    assert prepared.problem.campaign.setup_names == ("whole",)
+    assert diagnose(paths).diagnosis.facts["Set-ups"] == "whole"

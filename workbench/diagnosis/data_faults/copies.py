@@ -22,4 +22,7 @@ def without_copies(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]
     if not len(copies):
         return campaign, ()
     what = f"{len(copies)} poses are copies, to the last digit, of others (the first: {poses.ids[copies[0]]})"
-    return campaign.some(np.sort(first)), (FaultFound("copied_pose", None, None, what, "left out"),)
+    left = campaign.some(np.sort(first))
+    if len(np.unique(left.poses.setup)) < len(left.setup_names):  # all of another campaign
+        left = left.measured()
+    return left, (FaultFound("copied_pose", None, None, what, "left out"),)

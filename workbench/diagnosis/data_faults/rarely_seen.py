@@ -22,8 +22,6 @@ def without_rarely_seen(problem: Problem) -> Mended:
     on_arm = np.array(problem.on) > 0
     for k, setup in enumerate(c.setup_names):
         here = c.poses.setup == k
-        if not here.any():  # all of it were copies
-            continue
         count = np.array([len(np.unique(positions[here & seen])) for seen in problem.seen.T]) * on_arm
         whole = len(np.unique(positions[here & problem.seen[:, on_arm].any(axis=1)]))
         if whole < LEAST_POSITIONS:
