@@ -40,7 +40,8 @@ def test_join_keeps_set_ups_and_what_differs_apart(tmp_path: Path) -> None:
     assert np.isnan(both.sigma).tolist() == np.isnan(both.points).tolist()
     assert both.noise_sigma == pytest.approx(np.sqrt((4 * 1e-8 + 2 * 4e-8) / 6))
     assert both.shot_scatter == (0.0, 3)
-    assert both.title == "Tiny + Tiny"
+    assert both.title == "one + two"  # both are titled "Tiny"
+    assert join([one, replace(two, title="Later")]).title == "Tiny + Later"
     assert len(both.files) == 8
 
 

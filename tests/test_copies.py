@@ -5,7 +5,10 @@ from dataclasses import replace
 import numpy as np
 from diagnosis_cases import measured
 
+from workbench.campaign import load_campaign, write_campaign
 from workbench.diagnosis.data_faults.copies import without_copies
+from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.run import diagnose
 
 
 def test_copies_are_left_out_and_told_repeats_stay() -> None:
@@ -23,3 +26,17 @@ def test_copies_are_left_out_and_told_repeats_stay() -> None:
     assert len(without_copies(later)[0].poses) == n + 2
     hidden = replace(twice, points=np.where(rows[:, None, None] == 3, np.nan, twice.points))
     assert len(without_copies(hidden)[0].poses) == n
+
+
+def test_a_campaign_that_is_named_twice_by_another_name_is_no_second_one(tmp_path) -> None:
+    campaign = measured("cylindrical", poses=20, loads=())
+    part = campaign.some(np.arange(3, 20))
+    paths = [write_campaign(tmp_path / name, c) for name, c in (("whole", campaign), ("part", part))]
+    prepared = prepare([load_campaign(path) for path in paths])
+    (fault,) = prepared.faults
+    assert fault.kind == "copied_pose"
+    assert "17 poses" in fault.what
+    assert "part/4" in fault.what
+    assert len(prepared.problem.q) == 20
+    assert prepared.problem.campaign.setup_names == ("whole",)
+    assert diagnose(paths).diagnosis.facts["Set-ups"] == "whole"

@@ -1,8 +1,10 @@
 """What is smooth in time is no step of the instrument or the tool."""
 
 import numpy as np
-from diagnosis_cases import measured
+from diagnosis_cases import measured, robot
 
+from workbench.campaign import join, load_campaign, write_campaign
+from workbench.campaign.planned import random_poses
 from workbench.diagnosis.prepared import prepare
 
 
@@ -23,3 +25,23 @@ def test_a_slide_that_is_not_straight_has_no_instrument_that_moved():
     assert (
         prepare(measured("cylindrical", poses=60, loads=(), seed=6, sigma=2e-5, motion=crooked)).faults == ()
     )
+
+
+def test_an_instrument_that_moved_in_one_of_several_campaigns_is_told_by_its_pose(tmp_path):
+    """None of its poses are outliers."""
+    rng = np.random.default_rng(3)
+    paths = []
+    for name in ("first", "second"):
+        campaign = measured("cylindrical", poses=40, loads=(), q=random_poses(robot("cylindrical"), 40, rng))
+        if name == "second":
+            campaign.points[25:] += 5e-4
+        paths.append(write_campaign(tmp_path / name, campaign))
+    campaigns = [load_campaign(path) for path in paths]
+    prepared = prepare(campaigns)
+    assert prepare(join(campaigns)).faults == prepared.faults
+    (fault,) = prepared.faults
+    assert (fault.kind, fault.pose_id) == ("moved_instrument", "second/26")
+    campaign = prepared.problem.campaign
+    assert campaign.setup_names == ("first", "second", "second after pose second/25")
+    assert np.bincount(campaign.poses.setup).tolist() == [40, 25, 15]
+    assert campaign.seen.all()

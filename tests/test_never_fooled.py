@@ -6,9 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from diagnosis_cases import found, measured, named, with_points
+from diagnosis_cases import found, measured, named, robot, with_points
 
 from workbench.campaign import load_campaign, write_campaign
+from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import run
@@ -164,6 +165,20 @@ def test_a_file_of_six_dof_targets_is_taken_as_such(tmp_path):
     assert "distances between T1, T2, T3 never change" in said
     one_by_one = measured("ur5", poses=20, loads=())
     assert not load_campaign(write_campaign(tmp_path / "three", one_by_one)).six_dof
+
+
+def test_points_in_inches_beside_a_campaign_in_millimetres_are_told_as_that(tmp_path):
+    """Distances in them change by less than the noise in millimetres: no 6-D measurement for that."""
+    rng = np.random.default_rng(11)
+    each = [measured("ur5", q=random_poses(robot("ur5"), 30, rng), loads=()) for _ in range(2)]
+    each[1] = with_points(each[1], each[1].points / 25.4)
+    each = [replace(one, noise_sigma=3e-4) for one in each]
+    paths = [write_campaign(tmp_path / name, one) for name, one in zip("ab", each, strict=True)]
+    with pytest.raises(InputError) as refused:
+        prepare([load_campaign(path) for path in paths])
+    (fault,) = refused.value.faults
+    assert fault.place == f"{paths[1]}: points"
+    assert "only if they are inches, not millimetres" in fault.what
 
 
 def test_too_few_poses_are_refused_and_few_are_remarked():

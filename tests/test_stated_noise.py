@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from workbench import Truth, diagnose, load_robot, parse_effect, planned, random_poses, simulate
+from workbench.campaign import load_campaign, write_campaign
 from workbench.campaign.planned import TARGETS
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.noise.distances import shown_by_distances
+from workbench.diagnosis.prepared import prepare
 from workbench.identification.noise import stated_noise
 
 SIGMA = 5e-5
@@ -142,3 +144,15 @@ def test_what_is_only_taken_for_noise_is_said():
     scatter = 1e3 * 3**0.5 * SIGMA
     told = float(found.headline.removeprefix("Nothing is missing that shows in a scatter of ").split()[0])
     assert told == pytest.approx(scatter, rel=0.15)
+
+
+def test_of_two_campaigns_the_one_that_states_too_little_is_told_and_mended(tmp_path):
+    sound, bold = measured(SIGMA), measured(SIGMA / 10, seed=2)
+    paths = [write_campaign(tmp_path / name, c) for name, c in (("sound", sound), ("bold", bold))]
+    prepared = prepare([load_campaign(path) for path in paths])
+    (note,) = [note for note in prepared.notes if "Distances between targets" in note]
+    assert "Distances between targets in bold, which no robot changes" in note
+    assert "stated is 0.0050 mm" in note
+    here = prepared.problem.campaign.poses.setup == 0
+    assert prepared.covariance.sigma[here] == pytest.approx(SIGMA)
+    assert prepared.covariance.sigma[~here] == pytest.approx(SIGMA, rel=0.15)

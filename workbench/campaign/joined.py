@@ -53,7 +53,7 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
     sigma, noise_sigma, warnings = _noise(campaigns, columns, len(targets))
     first = campaigns[0]
     return Campaign(
-        title=" + ".join(campaign.title for campaign in campaigns),
+        title=_title(campaigns, labels),
         path=first.path,
         robot=first.robot,
         poses=replace(
@@ -147,6 +147,12 @@ def labels_of(campaigns: Sequence[Campaign]) -> list[str]:
         if len(set(labels)) == len(labels):
             return labels
     return [str(path) for path in paths]
+
+
+def _title(campaigns: Sequence[Campaign], labels: Sequence[str]) -> str:
+    """Of all; where titles are alike, a title says nothing: labels do."""
+    titles = [campaign.title for campaign in campaigns]
+    return " + ".join(titles if len(set(titles)) == len(titles) else labels)
 
 
 def _pose_ids(campaigns: Sequence[Campaign], labels: Sequence[str]) -> tuple[str, ...]:

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from .data import Campaign
+from .data import Array, Campaign
 
 RIGID = 0.1  # of the noise: targets that are measured one by one change their distances by more
 FINEST = 1e-6  # m, where no noise is stated: no instrument measures a distance that well again and again
 BODY = 1e-3  # m, across the line through the targets at least: points on a line are no 6-D measurement
+UNITS = 5.0  # times: no target sits as wrong as that, and no two units of length are closer
 TARGETS, POSES = 3, 10  # at least, to say so
 
 
@@ -40,8 +41,17 @@ def _scatter(campaign: Campaign) -> float:
         return np.inf
     with np.errstate(over="ignore", invalid="ignore"):  # beyond all measure: left out later
         apart = np.linalg.norm(points[:, :, None] - points[:, None], axis=-1)
-        scatter = float(apart.std(axis=0).max())
-    return scatter if np.isfinite(scatter) else np.inf
+        scatter, usual = float(apart.std(axis=0).max()), np.median(apart, axis=0)
+    return scatter if np.isfinite(scatter) and not _in_other_units(campaign, usual) else np.inf
+
+
+def _in_other_units(campaign: Campaign, apart: Array) -> bool:
+    """Whether targets are stated some times as far from each other as they were seen (T, T) [m]: then so is
+    the noise. In which units, the fit will say."""
+    stated = np.array([(np.nan,) * 3 if t.xyz is None else t.xyz for t in campaign.targets])
+    size = np.linalg.norm(stated[:, None] - stated, axis=-1)
+    known = np.isfinite(size) & (size > BODY)
+    return bool(known.any()) and not 1 / UNITS < np.median(apart[known] / size[known]) < UNITS
 
 
 def _noise(campaign: Campaign) -> float:

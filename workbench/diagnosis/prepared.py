@@ -36,7 +36,7 @@ from ..identification.set_up import fit_set_up
 from ..robot.kinematics import Array
 from .data_faults.copies import without_copies
 from .data_faults.mistaken_loads import mistaken_loads
-from .data_faults.moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
+from .data_faults.moved_setup import LEAST_BEFORE, Step, jump, split_campaign, split_setup, step_in_time
 from .data_faults.moved_target import reseated
 from .data_faults.rarely_seen import without_rarely_seen
 from .data_faults.rounded_joints import shared_rounding
@@ -199,6 +199,29 @@ def prepare(
         raise _of_its_own(every, refused) from refused
 
 
+def _where_each_moved(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:
+    """Several campaigns as one, with two set-ups for one whose instrument or tool moved, and that as a fault.
+    Seen in each alone: beside others, these are poses that do not fit."""
+    found = list[FaultFound]()
+    for k, name in enumerate(campaign.setup_names):
+        poses = np.flatnonzero(campaign.poses.setup == k)
+        if not campaign.seen[poses].any():
+            continue
+        some = campaign.some(poses).with_poses(setup=np.zeros_like(poses))
+        alone = problem(replace(some, setup_names=(name,), beside=()).measured())
+        if too_few_alone(alone):
+            continue
+        try:
+            sound = _without_faults(alone, tuple(stated_effects(alone)), lambda _: [])
+        except (InputError, ArithmeticError, np.linalg.LinAlgError):  # told of all of them
+            continue
+        for fault in (one for one in sound.faults if one.kind in ("moved_instrument", "changed_setup")):
+            first = some.poses.ids.index(str(fault.pose_id))
+            campaign = split_campaign(campaign, int(poses[first]), k)
+            found.append(fault)
+    return campaign, tuple(found)
+
+
 def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputError:
     """What some of several campaigns are refused for by themselves; where that is none of them or all, what
     they are refused for together. Those of too few poses show nothing by themselves."""
@@ -219,14 +242,17 @@ def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepare
     """One campaign, prepared."""
     progress("loading the robot")
     campaign, spare = parted(tool_as_modelled(campaign.robot, campaign), MOST_POSES)
-    campaign, copies = without_copies(campaign)
+    campaign, faults = without_copies(campaign)
     read = problem(campaign)
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
+    if campaign.beside:
+        campaign, moved = _where_each_moved(campaign)
+        read, faults = problem(campaign), (*faults, *moved)
     try:
         sound = _without_faults(read, tuple(stated_effects(read)), enough)
         progress("fitting geometry")
-        prepared = _fitted(replace(sound, faults=(*copies, *sound.faults)))
+        prepared = _fitted(replace(sound, faults=(*faults, *sound.faults)))
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
             raise

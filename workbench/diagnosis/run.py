@@ -16,8 +16,8 @@ from ..campaign.same_robot import check_same_robot
 from ..effects.base import Effect
 from ..identification.fit import Fit
 from .candidates import testable
+from .data_faults.changed_between import changed_between
 from .data_faults.moved_setup import step_in_time
-from .data_faults.moved_zero import moved_zeros
 from .data_faults.wild_points import wild_beside
 from .given import Searched, search_with_given
 from .prepared import Prepared, Progress, prepare
@@ -105,14 +105,14 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
 
 def _mended(prepared: Prepared, found: Searched) -> Prepared | None:
     """Without data faults that show beside what was found alone, None where there is none: wild points,
-    zeros that moved between campaigns, or else a step in time, which functions of time and order without a
-    name would take up."""
+    zeros and loads that are others in some campaigns, or else a step in time, which functions of time and
+    order without a name would take up."""
     wild = wild_beside(found.selection.fit, prepared.least)
     if wild.faults:
         return prepared.mended(wild)
     if not found.selection.nameless:
         return None
-    problem, moved = moved_zeros(found.selection)
+    problem, moved = changed_between(found.selection)
     if moved:
         return prepared.counted(problem, moved)
     step = step_in_time(replace(found.selection.fit, noise=found.prepared.covariance).lasting)

@@ -22,6 +22,7 @@ from typing import ClassVar, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads, Wrenches
@@ -223,8 +224,14 @@ class Effect(ABC):
         return None
 
     def said_by_setup(self, problem: Problem, values: Array, std: Array) -> Sequence[tuple[int, str]]:
-        """Set-ups that it is about, and how large it is there in words, where it is `as_commanded`."""
+        """Set-ups that it is about, and how large it is there in words, where it is `as_commanded` or
+        `as_carried`."""
         return []
+
+    def as_carried(self, problem: Problem, values: Array) -> Campaign | None:
+        """The campaign with the loads that the arm carried with weights (p,) of it, where it is how these
+        were written down and nothing of the arm; None elsewhere."""
+        return None
 
     @property
     def lasting(self) -> bool:

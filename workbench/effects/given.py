@@ -20,9 +20,9 @@ from .records import PLACE, from_record, stated_effects
 NEAR = 0.1  # of a number: no further from it is the slope taken that makes its spread the parameter's
 CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another
 DataFault = Literal[  # what a diagnosis finds wrong with the data themselves
-    "changed_setup", "copied_pose", "frozen_target", "moved_instrument", "moved_zero", "outlier",
-    "rare_setup", "rare_target", "rounded_joints", "shifted_pose", "swapped_target", "wrong_payload",
-    "wrong_wrench",
+    "changed_load", "changed_setup", "copied_pose", "frozen_target", "moved_instrument", "moved_zero",
+    "outlier", "rare_setup", "rare_target", "rounded_joints", "shifted_pose", "swapped_target",
+    "wrong_payload", "wrong_wrench",
 ]  # fmt: skip
 EXACT = 1e-6  # of the usual size: the spread of what is exact
 

@@ -10,9 +10,10 @@ from ..result import FaultFound
 
 def without_copies(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:
     """The campaign without poses whose joints, load, time and points are those of an earlier one to the last
-    digit. Taken for repeats they would say that the robot and the instrument have no noise at all."""
+    digit, be it of another campaign. Taken for repeats they would say that the robot and the instrument have
+    no noise at all; taken for two campaigns, that twice as much was measured."""
     poses = campaign.poses
-    columns = [poses.q, poses.payload[:, None], poses.setup[:, None], campaign.points.reshape(len(poses), -1)]
+    columns = [poses.q, poses.payload[:, None], campaign.points.reshape(len(poses), -1)]
     if poses.time is not None:
         columns.append(poses.time[:, None])
     rows = np.concatenate([np.asarray(column, dtype=float) for column in columns], axis=1)
@@ -21,4 +22,7 @@ def without_copies(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]
     if not len(copies):
         return campaign, ()
     what = f"{len(copies)} poses are copies, to the last digit, of others (the first: {poses.ids[copies[0]]})"
-    return campaign.some(np.sort(first)), (FaultFound("copied_pose", None, None, what, "left out"),)
+    left = campaign.some(np.sort(first))
+    if len(np.unique(left.poses.setup)) < len(left.setup_names):  # all of another campaign
+        left = left.measured()
+    return left, (FaultFound("copied_pose", None, None, what, "left out"),)

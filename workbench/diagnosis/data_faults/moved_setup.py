@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from ...campaign import Campaign
 from ...campaign.in_motion import in_motion
 from ...campaign.path_sides import sides_along
 from ...campaign.problem import Problem
@@ -313,11 +314,18 @@ def _before(each: Array) -> Array:
 
 def split_setup(problem: Problem, first: int) -> Problem:
     """The problem with the poses from `first` on in a set-up of their own."""
-    c = problem.campaign
+    return replace(problem, campaign=split_campaign(problem.campaign, first))
+
+
+def split_campaign(c: Campaign, first: int, k: int = 0) -> Campaign:
+    """The campaign with the poses of its set-up k from `first` on in one of their own."""
     setup: NDArray[np.int64] = c.poses.setup.copy()
-    setup[first:] = len(c.setup_names)
-    names = (*c.setup_names, f"{_after(c.setup_names[0])}{c.poses.ids[first - 1]}")
-    return replace(problem, campaign=replace(c.with_poses(setup=setup), setup_names=names))
+    own = np.flatnonzero(setup == k)
+    last = c.poses.ids[own[own < first][-1]]
+    setup[own[own >= first]] = len(c.setup_names)
+    return replace(
+        c.with_poses(setup=setup), setup_names=(*c.setup_names, f"{_after(c.setup_names[k])}{last}")
+    )
 
 
 def was_split(name: str, names: Sequence[str]) -> bool:

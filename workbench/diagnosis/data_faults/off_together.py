@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.special import betainc, chdtrc
 
+from ...effects.unnamed import unnamed
 from ...identification.fit import Fit
 from ...identification.rows import offset_of
 from ...robot.kinematics import Array
@@ -39,7 +40,9 @@ def no_outliers(result: Fit, wild: Poses) -> Poses:
     """
     if not wild.any():
         return wild
-    candidates = [e for e in testable(result.model.problem)[0] if "time" not in e.uses]
+    problem = result.model.problem
+    candidates = [e for e in testable(problem)[0] if "time" not in e.uses]
+    candidates += [e for e in unnamed(problem) if e.dated]  # what is otherwise in one of several campaigns
     columns = [result.whitened(e) * [p.typical for p in e.params] for e in candidates]
     sagging = sag(result)
     if sagging.shape[2]:

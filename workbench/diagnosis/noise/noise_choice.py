@@ -24,7 +24,7 @@ from ...identification.repeats import repeat_groups, within
 from ...robot.kinematics import Array
 from ..priors import PRIORS
 from ..result import Noise
-from .distances import shown_by_distances
+from .distances import Shown, shown_by_distances
 from .likeliest import with_more
 from .six_dof import of_poses, of_repeats
 
@@ -60,11 +60,9 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
         )
         return found, _figures(found, "repeats", axial, measured), notes
     if said is not None:
-        shown = shown_by_distances(problem, said)
-        if shown is not None and shown.more:
-            found = replace(said, sigma=shown.times * said.sigma, dof=shown.dof)
-            notes.append(_shown(said, found))
-            return found, _figures(found, "repeats", axial, None), notes
+        found, more = _at_least_of_distances(problem, said)
+        if more:
+            return found, _figures(found, "repeats", axial, None), [*notes, *more]
         return said, _figures(said, "stated", axial, measured), notes
     shown_by_rows = _of_rows(problem)
     if shown_by_rows is not None:
@@ -124,10 +122,32 @@ def _too_fine(problem: Problem) -> list[str]:
     return [f"No instrument sees a robot to {stated * 1e3:g} mm, as [noise] says: {taken}. Is it in mm?"]
 
 
-def _shown(said: Covariance, found: Covariance) -> str:
+def _at_least_of_distances(problem: Problem, said: Covariance) -> tuple[Covariance, list[str]]:
+    """The stated noise, and a sentence, where distances between targets scatter more: of several campaigns in
+    each that they do so in, else in all together."""
+    c, setup = problem.campaign, problem.campaign.poses.setup
+    sigma, dof, notes = said.sigma.copy(), 0.0, []
+    for k, name in enumerate(c.setup_names if c.beside else ()):
+        poses = np.flatnonzero(setup == k)
+        some = said.some(poses)
+        shown = shown_by_distances(replace(problem, campaign=c.some(poses)), some)
+        if shown is not None and shown.more:
+            sigma[poses] *= shown.times
+            dof += shown.dof
+            notes.append(_shown(some, shown, f" in {name}"))
+    if not notes:
+        shown = shown_by_distances(problem, said)
+        if shown is None or not shown.more:
+            return said, []
+        sigma, dof, notes = shown.times * said.sigma, shown.dof, [_shown(said, shown)]
+    return replace(said, sigma=sigma, dof=dof), notes
+
+
+def _shown(said: Covariance, shown: Shown, where: str = "") -> str:
     """A sentence where distances between targets scatter more than stated."""
+    scatter = shown.times * said.usual
     return (
-        f"Distances between targets, which no robot changes, scatter as by {found.usual * 1e3:.4f} mm per "
+        f"Distances between targets{where}, which no robot changes, scatter as by {scatter * 1e3:.4f} mm per "
         f"axis, stated is {said.usual * 1e3:.4f} mm: what they show is used. If no target is loose, the "
         "stated noise is too small."
     )

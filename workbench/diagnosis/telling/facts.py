@@ -11,6 +11,8 @@ from ...identification.fit import Fit
 from ...identification.own_base import own_base
 from .in_the_model import what_the_model_has
 
+ALIKE = 1.05  # times: noises of set-ups that differ by less are one
+
 
 def geometry(final: Fit) -> tuple[Parameter, ...]:
     """Corrections of the joint frames with standard deviations."""
@@ -57,6 +59,22 @@ def _model(problem: Problem, final: Fit) -> dict[str, str]:
     return {"Model": f"extended before; causes in it: {said or 'none'}; what was found comes on top"}
 
 
+def _set_ups(problem: Problem, final: Fit) -> str:
+    """Set-ups, each of several with its poses, the RMS error that is left there, and the noise that was used
+    where it is not the same in all."""
+    setup, names = problem.campaign.poses.setup, problem.campaign.setup_names
+    if len(names) == 1:
+        return names[0] or "one"
+    seen = [problem.seen & (setup == k)[:, None] for k in range(len(names))]
+    noise = [1e3 * float(np.sqrt(np.mean(final.noise.sigma[some] ** 2))) for some in seen]
+    said = []
+    for k, name in enumerate(names):
+        off = 1e3 * float(np.sqrt(np.sum(final.residual[seen[k]] ** 2, axis=-1).mean()))
+        words = f"{name or 'one'}: {(setup == k).sum()} poses, {off:.3f} mm RMS left"
+        said.append(f"{words}, noise {noise[k]:.3f} mm" if max(noise) > ALIKE * min(noise) else words)
+    return "; ".join(said)
+
+
 def facts(problem: Problem, final: Fit) -> dict[str, str]:
     """What was measured, in words."""
     c = problem.campaign
@@ -64,7 +82,7 @@ def facts(problem: Problem, final: Fit) -> dict[str, str]:
         "Poses": str(len(c.poses.q)),
         "Points": str(int(problem.seen.sum())),
         "Targets": ", ".join(f"{t.name} (on {t.on})" if t.on != "flange" else t.name for t in c.targets),
-        "Set-ups": ", ".join(name or "one" for name in c.setup_names),
+        "Set-ups": _set_ups(problem, final),
         "Base": _base(problem, final),
         **_model(problem, final),
         "Payloads": ", ".join(

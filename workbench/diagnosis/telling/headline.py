@@ -13,7 +13,8 @@ from ..weighing.remainder import GLOBAL_LEVEL, Remainder
 
 MOST_SAID = 3  # causes that a headline says
 MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
-STEPS = ("moved_instrument", "changed_setup", "moved_zero")  # data faults that a headline says
+# faults that a headline says
+STEPS = ("moved_instrument", "changed_setup", "moved_zero", "changed_load")
 MORE = 1.1  # times the held-out error: what a model without what does not last has to leave to be told
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 

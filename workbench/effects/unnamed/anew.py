@@ -1,24 +1,29 @@
-"""What stands elsewhere in each of several campaigns that are fitted as one robot: it was mastered anew, hit
-something, was repaired, or is another specimen.
+"""What is otherwise in each of several campaigns that are fitted as one robot: it was mastered anew, hit
+something, was repaired, is another specimen; or another tool was mounted than is stated.
 
-Both are zero in the last of the campaigns: a model that leaves them out is the robot as that found it.
+Places are zero in the last of the campaigns: a model that leaves them out is the robot as that found it.
+Loads differ from the stated, in any campaign: a model without them is the robot under the stated ones.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
+from ...campaign import Campaign
 from ...campaign.problem import Problem
-from ...robot.kinematics import Array
-from ..base import Depends, motion_said
-from ..kinds import DirectEffect
-from ..place import Where
+from ...robot.kinematics import Arm, Array, Frames
+from ...robot.loads import Loads
+from ..base import SURELY, Depends, Param, motion_said
+from ..kinds import DirectEffect, LoadEffect
+from ..masses import mass_wrench, usually_mounted
+from ..place import Parameter, Where
 from .base import Unnamed, each, moving
 
+LEVER = 0.1  # m: a usual mass has its first moment at this distance from where it is stated
 MOST = 4  # further set-ups that may each have a geometry of its own: more of them have too few poses
 
 
@@ -117,3 +122,107 @@ def _others(problem: Problem) -> float:
     """Number of set-ups but the last; 0 of a single campaign, whose robot stays what it is."""
     campaign = problem.campaign
     return float(len(campaign.setup_names) - 1) if campaign.beside else 0.0
+
+
+@dataclass(frozen=True)
+class CarriedAnew(Unnamed, LoadEffect):
+    """In one of several campaigns the arm carries something else than is stated there: mass and first moment
+    at the flange, in all its poses. usual: [kg] that such an arm carries; size: over that."""
+
+    variant: str = "carried anew"
+    size: float = 1.0
+    usual: float = 1.0
+
+    depends: ClassVar[Depends] = frozenset({"setup"})
+    settings: ClassVar[tuple[str, ...]] = ("size", "usual")
+    dated: ClassVar[bool] = True
+
+    @property
+    def functions(self) -> int:
+        return 4
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        mass = self.size * self.usual
+        first = [Param(f"moment_{a}", "kg·m", LEVER * mass, spread=LEVER * mass) for a in "xyz"]
+        return (Param("mass", "kg", mass, "added to the stated mass", spread=mass), *first)
+
+    @property
+    def unit(self) -> str:
+        return "1"
+
+    @property
+    def variable(self) -> str:
+        return f"the campaign: what the arm carries in {self.where.payload} is not what is stated"
+
+    def x(self, problem: Problem) -> Array:
+        return problem.campaign.poses.setup.astype(float)
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        std = float(np.sqrt(covariance[0, 0]))
+        return (Parameter("mass", float(values[0]), std, "kg", "over the stated mass"),)
+
+    def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
+        here = self._here(problem)
+        moment = loads.moment + np.outer(here, values[1:])
+        return arm, replace(loads, mass=loads.mass + here * values[0], moment=moment)
+
+    def wrench(self, problem: Problem, where: Frames, loads: Loads) -> Array:
+        here, flange = self._here(problem), problem.arm.slots - 1
+        unit = np.eye(4)[:, None] * here[:, None]
+        return np.stack([mass_wrench(problem, where, flange, one[:, 0], one[:, 1:]) for one in unit], axis=-1)
+
+    def as_carried(self, problem: Problem, values: Array) -> Campaign:
+        """Each load of the set-up is one of its own, named as the set-up."""
+        c = problem.campaign
+        there, setup = self._here(problem) > 0, str(self.where.payload)
+        old = np.unique(c.poses.payload[there])
+        mass = np.maximum(c.load_mass[old] + values[0], 0.0)
+        moment = c.load_mass[old, None] * c.load_com[old] + values[1:]
+        com = np.where(mass[:, None] > 0, moment / np.maximum(mass, 1e-9)[:, None], 0.0)
+        names = [f"{name} ({setup})" if (name := c.payload_names[i]) else f"load ({setup})" for i in old]
+        new = len(c.payload_names) + np.searchsorted(old, c.poses.payload)
+        return replace(
+            c,
+            payload_names=(*c.payload_names, *names),
+            load_mass=np.append(c.load_mass, mass),
+            load_com=np.vstack([c.load_com, com]),
+            poses=replace(c.poses, payload=np.where(there, new, c.poses.payload)),
+        )
+
+    def said_by_setup(self, problem: Problem, values: Array, std: Array) -> Sequence[tuple[int, str]]:
+        c, setup = problem.campaign, str(self.where.payload)
+        k = c.setup_names.index(setup)
+        stated = np.unique(c.poses.payload[c.poses.setup == k])
+        if len(stated) > 1:
+            kg = f"{abs(values[0]):.3g} kg (± {std[0]:.2g} kg) {'less' if values[0] < 0 else 'more'}"
+            return [(k, f"with each of its loads the arm carries {kg} than stated in {setup}")]
+        (i,) = stated.tolist()
+        mass = float(max(c.load_mass[i] + values[0], 0.0))
+        said = f"{mass:.3g} kg (± {std[0]:.2g} kg)"
+        if mass > SURELY * std[0]:
+            x, y, z = 1e3 * (c.load_mass[i] * c.load_com[i] + values[1:]) / mass
+            said += f", centred {x:.0f}, {y:.0f}, {z:.0f} mm from the flange,".replace("-", "\N{MINUS SIGN}")
+        beside = " beside its tool" if c.tool_mass > 0 else ""
+        return [(k, f"the arm carries {said} in {setup}, where {c.load_mass[i]:g} kg are stated{beside}")]
+
+    def _here(self, problem: Problem) -> Array:
+        """(N,) 1 in the poses of the set-up."""
+        names, setup = problem.campaign.setup_names, problem.campaign.poses.setup
+        return np.asarray(setup == names.index(str(self.where.payload)), dtype=float)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        """Every set-up of several campaigns, but those whose poses are just those of a stated load: then that
+        load is not as stated. Of arms with masses: others yield to none."""
+        c = problem.campaign
+        if not _others(problem) or not problem.arm.weighed:
+            return []
+        usual = max(usually_mounted(problem), float(c.load_mass.max(initial=0.0)))
+        of_loads = [c.poses.payload == i for i in np.unique(c.poses.payload) if c.load_mass[i] > 0]
+        out = []
+        for k, name in enumerate(c.setup_names):
+            here = c.poses.setup == k
+            if here.any() and not any(np.array_equal(here, carried) for carried in of_loads):
+                out.append(cls(Where(payload=name), usual=usual))
+        return out

@@ -64,8 +64,9 @@ class PriorInformation:
     problem: of the campaign (of one without points where nothing was measured: then `fit` is None);
     acting: effects with the values that the robot's own TOML states; sigma: (T,) [m] noise per axis,
     joint: (n,) one sigma of the joints, body: as in `Covariance`; noise: where that comes from; shown: (T,)
-    the targets that the campaign shows often, which new records show too; places: (T, 3) [m] where these are
-    behind their slots; torques: new records have the drives' torques, though the campaign may have none;
+    the targets that the campaign, of several the last, shows often, which new records show too; places:
+    (T, 3) [m] where these are behind their slots; torques: new records have the drives' torques, though the
+    campaign may have none;
     faults: of the campaign's data, as a diagnosis finds them; given: numbers known by other means.
     """
 
@@ -255,7 +256,10 @@ def from_campaign(
 def from_prepared(prepared: Prepared) -> PriorInformation:
     """A robot with campaigns that are prepared, and with what is given beside them."""
     problem, covariance = prepared.problem, prepared.covariance
-    share = problem.seen.mean(axis=0)
+    setup = problem.campaign.poses.setup
+    # of several campaigns the tool of the last is mounted
+    now = setup == setup[-1] if problem.campaign.beside else np.ones(len(setup), dtype=bool)
+    share = problem.seen[now].mean(axis=0)
     shown = (share >= min(OFTEN, float(share.max()))) | problem.campaign.six_dof
     setups = range(len(problem.campaign.setup_names))
     where = [problem.seen[problem.campaign.poses.setup == k].sum(axis=0) for k in setups]
