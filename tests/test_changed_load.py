@@ -75,7 +75,7 @@ def test_a_load_as_carried_moves_the_arm_as_the_effect_has_it(tmp_path, values):
     for effect in CarriedAnew.sites(whole):
         model = Model(whole, (effect,))
         there = model.predict(replace(model.in_base(), values=(np.array(values),)))
-        known = problem_of(effect.as_carried(whole, np.array(values)))
+        known = problem_of(effect.as_it_was(whole, np.array(values), np.ones(4)).campaign)
         assert np.abs(Model(known).predict(Model(known).in_base()) - there).max() < 1e-9
         other = whole.campaign.poses.setup != whole.campaign.setup_names.index(effect.where.payload)
         assert np.array_equal(known.campaign.poses.payload[other], whole.campaign.poses.payload[other])

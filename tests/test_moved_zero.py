@@ -95,11 +95,10 @@ def test_joints_counted_as_in_the_last_campaign_are_where_the_effect_has_them(tm
         values = np.array([1.5e-3, -4e-4])
         model = Model(whole, (effect,))
         there = model.predict(replace(model.in_base(), values=(values,)))
-        poses = replace(whole.campaign.poses, q=effect.as_commanded(whole, values))
-        counted = replace(whole, campaign=replace(whole.campaign, poses=poses))
+        counted = replace(whole, campaign=effect.as_it_was(whole, values, np.full(2, 1e-5)).campaign)
         assert np.abs(Model(counted).predict(Model(counted).in_base()) - there).max() < 1e-9
         last = whole.campaign.poses.setup == 2
-        assert np.array_equal(poses.q[last], whole.q[last])
+        assert np.array_equal(counted.q[last], whole.q[last])
 
 
 def test_set_ups_of_a_single_campaign_are_of_one_robot():

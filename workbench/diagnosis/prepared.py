@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,8 +24,6 @@ from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import (
-    believed,
-    check_rest,
     common_factor,
     enough_poses,
     plausible_geometry,
@@ -35,42 +32,29 @@ from ..identification.plausible import (
 from ..identification.set_up import fit_set_up
 from ..robot.kinematics import Array
 from .data_faults.copies import without_copies
-from .data_faults.mistaken_loads import mistaken_loads
-from .data_faults.moved_setup import LEAST_BEFORE, Step, jump, split_campaign, split_setup, step_in_time
-from .data_faults.moved_target import reseated
-from .data_faults.rarely_seen import without_rarely_seen
+from .data_faults.moved_setup import Step, split_setup
 from .data_faults.rounded_joints import shared_rounding
-from .data_faults.standstills import taken_together
+from .data_faults.sound import Enough, Sound, measured_only, noise_at, where_each_moved, without_faults
 from .data_faults.wild_points import (
     Acting,
     Cleaned,
-    clean,
     least_sigma,
-    much_left_out,
-    robust_fit,
-    without_gross,
-    without_impossible,
 )
 from .noise.coarse import coarseness
 from .noise.noise_choice import (
-    choose,
     from_residual,
     of_distances,
     rigid_targets,
-    without_wild_repeats,
 )
 from .noise.six_dof import of_repeats, of_turns, turn_rad
 from .noise.torque_noise import torque_noise
 from .result import FaultFound, Noise
 from .weighing.replication import enough_for_halves
 
-SIX_DOF = 3  # targets that make a 6-D measurement
 TURNS = "Turns of the 6-D measurement scatter"
-MOST_MOVES = 6  # of single targets in a campaign: one with more has other faults
 MOST_POSES = 4000  # that a fit is made on: more say hardly more, and take room and time
 
 Progress = Callable[[str], None]
-Enough = Callable[[Problem], list[str]]
 
 
 @dataclass(frozen=True)
@@ -156,11 +140,11 @@ class Prepared:
 
     def mended(self, found: Cleaned) -> Prepared:
         """The same without what was found to be wild beside causes."""
-        return self._again(_measured_only(found.problem), self.geometry.state, found.faults)
+        return self._again(measured_only(found.problem), self.geometry.state, found.faults)
 
     def split(self, step: Step) -> Prepared:
         """The same with the poses from a step in time on in a set-up of their own."""
-        problem = _measured_only(split_setup(self.problem, step.first))
+        problem = measured_only(split_setup(self.problem, step.first))
         return self._again(problem, start_state(problem), (step.fault(self.problem),))
 
     def counted(self, problem: Problem, faults: tuple[FaultFound, ...]) -> Prepared:
@@ -169,8 +153,8 @@ class Prepared:
 
     def _again(self, problem: Problem, start: State, faults: tuple[FaultFound, ...]) -> Prepared:
         """The same of the data without further faults."""
-        covariance, noise, _ = _noise(problem, self.known_effects, start)
-        sound = _Sound(problem, self.known_effects, start, covariance, noise, (*self.faults, *faults), ())
+        covariance, noise, _ = noise_at(problem, self.known_effects, start)
+        sound = Sound(problem, self.known_effects, start, covariance, noise, (*self.faults, *faults), ())
         return replace(_fitted(sound), notes=self.notes, spare=self.spare)
 
     def with_given(self, given: tuple[Given, ...]) -> Prepared:
@@ -199,29 +183,6 @@ def prepare(
         raise _of_its_own(every, refused) from refused
 
 
-def _where_each_moved(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:
-    """Several campaigns as one, with two set-ups for one whose instrument or tool moved, and that as a fault.
-    Seen in each alone: beside others, these are poses that do not fit."""
-    found = list[FaultFound]()
-    for k, name in enumerate(campaign.setup_names):
-        poses = np.flatnonzero(campaign.poses.setup == k)
-        if not campaign.seen[poses].any():
-            continue
-        some = campaign.some(poses).with_poses(setup=np.zeros_like(poses))
-        alone = problem(replace(some, setup_names=(name,), beside=()).measured())
-        if too_few_alone(alone):
-            continue
-        try:
-            sound = _without_faults(alone, tuple(stated_effects(alone)), lambda _: [])
-        except (InputError, ArithmeticError, np.linalg.LinAlgError):  # told of all of them
-            continue
-        for fault in (one for one in sound.faults if one.kind in ("moved_instrument", "changed_setup")):
-            first = some.poses.ids.index(str(fault.pose_id))
-            campaign = split_campaign(campaign, int(poses[first]), k)
-            found.append(fault)
-    return campaign, tuple(found)
-
-
 def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputError:
     """What some of several campaigns are refused for by themselves; where that is none of them or all, what
     they are refused for together. Those of too few poses show nothing by themselves."""
@@ -247,10 +208,10 @@ def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepare
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
     if campaign.beside:
-        campaign, moved = _where_each_moved(campaign)
+        campaign, moved = where_each_moved(campaign)
         read, faults = problem(campaign), (*faults, *moved)
     try:
-        sound = _without_faults(read, tuple(stated_effects(read)), enough)
+        sound = without_faults(read, tuple(stated_effects(read)), enough)
         progress("fitting geometry")
         prepared = _fitted(replace(sound, faults=(*faults, *sound.faults)))
     except (ArithmeticError, np.linalg.LinAlgError) as error:
@@ -266,103 +227,7 @@ def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepare
     return replace(prepared, spare=spare, notes=(*prepared.notes, note))
 
 
-@dataclass(frozen=True)
-class _Sound:
-    """A problem without its data faults; where its fits start, and the noise before a residual is seen."""
-
-    problem: Problem
-    known_effects: Acting
-    start: State
-    covariance: Covariance
-    noise: Noise
-    faults: tuple[FaultFound, ...]
-    notes: tuple[str, ...]
-
-
-def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> _Sound:
-    """Wild points out; and a set-up that moved is two."""
-    possible = without_impossible(problem)
-    together, shots, of_rows = taken_together(possible.problem)
-    told = without_rarely_seen(together)
-    problem, faults = _measured_only(told.problem), (*possible.faults, *shots, *told.faults)
-    measured = problem
-    enough(problem)  # what cannot be enough is not searched for mistakes
-    far = jump(problem)
-    if far is not None:
-        problem, faults = split_setup(problem, far.first), (*faults, far.fault(problem))
-    problem, said = believed(problem)
-    gross = without_gross(problem)
-    problem, faults = _measured_only(gross.problem), (*faults, *gross.faults)
-    start = start_state(problem)
-    check_rest(Model(problem, (), known_effects), start)
-    usual = without_wild_repeats(problem)
-    covariance, noise, notes = _noise(usual, known_effects, start)
-    least = least_sigma(problem, covariance if noise.source != "residual" else None)
-    robust, moved = _sitting_still(problem, start, covariance, known_effects)
-    said = [*said, *mistaken_loads(robust)]
-    problem, faults = robust.model.problem, (*faults, *moved)
-    cleaned = _cleaned(robust, covariance, known_effects, least)
-    problem, start, faults = cleaned.problem, cleaned.fit.state, (*faults, *cleaned.faults)
-    step = step_in_time(cleaned.fit)
-    if step is not None:
-        problem, faults = split_setup(problem, step.first), (*faults, step.fault(problem))
-    problem = _measured_only(problem)
-    many = much_left_out(measured, problem)
-    if step is not None or start.targets.shape[1] > len(problem.campaign.targets):
-        start = start_state(problem)
-    if faults or usual is not problem:
-        covariance, noise, notes = _noise(problem, known_effects, start)
-    said = [*of_rows, *many, *said, *enough(problem)]
-    return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
-
-
-def _cleaned(robust: Fit, noise: Covariance, known_effects: Acting, least: Array) -> Cleaned:
-    """Wild points out (`clean`). Many may be all that came before a step in time, or after: then it is two
-    set-ups that are cleaned."""
-    problem, cleaned, step = robust.model.problem, clean(robust, noise, known_effects, least), None
-    if len({fault.pose_id for fault in cleaned.faults if fault.kind == "outlier"}) >= LEAST_BEFORE:
-        with suppress(ArithmeticError):
-            step = step_in_time(fit(Model(problem, (), known_effects), robust.state, noise))
-    if step is None:
-        return cleaned
-    parts = split_setup(problem, step.first)
-    cleaned = clean(robust_fit(parts, start_state(parts), noise, known_effects), noise, known_effects, least)
-    return replace(cleaned, faults=(step.fault(problem), *cleaned.faults))
-
-
-def _sitting_still(
-    problem: Problem, start: State, noise: Covariance, known_effects: Acting
-) -> tuple[Fit, tuple[FaultFound, ...]]:
-    """A robust fit without the points of single targets where these sit elsewhere, before they are taken for
-    wild ones; and what was found."""
-    faults: list[FaultFound] = []
-    while True:
-        result = robust_fit(problem, start, noise, known_effects)
-        start, moved = result.state, reseated(result)
-        if moved is None or len(faults) == MOST_MOVES:
-            return result, tuple(faults)
-        faults.append(moved.fault(problem))
-        problem = moved.left_out(problem)
-
-
-def _measured_only(problem: Problem) -> Problem:
-    """The problem with the poses and targets of which something is left; `InputError` where nothing is."""
-    c, seen = problem.campaign, problem.seen
-    if c.six_dof and seen.sum(axis=1).max(initial=0) < SIX_DOF:
-        what = f"no pose has {SIX_DOF} usable targets, which a 6-D measurement needs"
-        raise InputError(Fault(str(c.path), what, "look at the points, or take out `pose = true`"))
-    if seen.any(axis=1).all() and seen.any(axis=0).all():
-        return problem
-    if not seen.any():
-        raise InputError(Fault(str(c.path), "no usable point is left", "look at the points"))
-    return Problem(problem.robot, problem.arm, c.measured(), problem.compensator)
-
-
-def _noise(problem: Problem, known_effects: Acting, start: State) -> tuple[Covariance, Noise, list[str]]:
-    return choose(problem, Model(problem, (), known_effects).linearise(start))
-
-
-def _fitted(sound: _Sound) -> Prepared:
+def _fitted(sound: Sound) -> Prepared:
     """Geometry, and the noise from its residual where there is no other; then the nominal robot."""
     problem, covariance, noise = sound.problem, sound.covariance, sound.noise
     model = Model(problem, (), sound.known_effects)

@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..effects.given import DataFault
 from ..effects.place import NOWHERE, Parameter, Where
+from ..effects.recorded import DataFault
 from .result_json import fault_json, result_json
 
 Array = NDArray[np.float64]

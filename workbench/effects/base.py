@@ -22,12 +22,12 @@ from typing import ClassVar, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads, Wrenches
 from .drawn import Drawn
 from .place import NOWHERE, Parameter, Where
+from .recorded import Recorded
 
 Acts = Literal["transmission", "load", "yielding", "geometry", "instrument"]
 Depends = frozenset[
@@ -218,19 +218,9 @@ class Effect(ABC):
         """Of forms that come together, those of one part of the machine may be off without the others."""
         return ""
 
-    def as_commanded(self, problem: Problem, values: Array) -> Array | None:
-        """(N, n) joints [rad, m] with which the arm goes where it went with weights (p,) of it, where it is
-        how these were written down and nothing of the arm; None elsewhere."""
-        return None
-
-    def said_by_setup(self, problem: Problem, values: Array, std: Array) -> Sequence[tuple[int, str]]:
-        """Set-ups that it is about, and how large it is there in words, where it is `as_commanded` or
-        `as_carried`."""
-        return []
-
-    def as_carried(self, problem: Problem, values: Array) -> Campaign | None:
-        """The campaign with the loads that the arm carried with weights (p,) of it, where it is how these
-        were written down and nothing of the arm; None elsewhere."""
+    def as_it_was(self, problem: Problem, values: Array, std: Array) -> Recorded | None:
+        """The campaign as it was with weights (p,) of it, known to std (p,), where it is how things were
+        written down and nothing of the arm; None elsewhere."""
         return None
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import get_args
 
 from scipy.optimize import brentq
 
@@ -15,15 +15,11 @@ from ..files.tables import suggest
 from ..robot.schema import EffectRecord
 from . import catalogue
 from .base import Effect
+from .recorded import DataFault
 from .records import PLACE, from_record, stated_effects
 
 NEAR = 0.1  # of a number: no further from it is the slope taken that makes its spread the parameter's
 CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another
-DataFault = Literal[  # what a diagnosis finds wrong with the data themselves
-    "changed_load", "changed_setup", "copied_pose", "frozen_target", "moved_instrument", "moved_zero",
-    "outlier", "rare_setup", "rare_target", "rounded_joints", "shifted_pose", "swapped_target",
-    "wrong_payload", "wrong_wrench",
-]  # fmt: skip
 EXACT = 1e-6  # of the usual size: the spread of what is exact
 
 

@@ -11,13 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...effects.given import DataFault
 from ..priors import PRIORS
 from ..result import FaultFound
-from ..search.competition import SURELY, Selection
-
-DONE = "counted there as in the last campaign, whose zeros the model has"
-CARRIED = "taken to carry that there; state it in that campaign"
+from ..search.competition import Selection
 
 
 def changed_between(selection: Selection) -> tuple[Problem, tuple[FaultFound, ...]]:
@@ -36,24 +32,12 @@ def changed_between(selection: Selection) -> tuple[Problem, tuple[FaultFound, ..
         if (effect.key, effect.variant) not in known:
             continue
         values, covariance = final.effect_values(i)
-        std = np.sqrt(np.diag(covariance))
-        said = effect.said_by_setup(problem, values, std)
-        c = effect.as_carried(problem, values)
-        if c is not None:
-            faults += [_fault("changed_load", problem, *one, CARRIED) for one in said]
-        else:
-            stays = np.abs(values) <= SURELY * std  # in campaigns of which others alone are off
-            q = effect.as_commanded(problem, np.where(stays, 0.0, values))
-            if q is None:
-                continue
-            moved = [one for one, same in zip(said, stays, strict=True) if not same]
-            faults += [_fault("moved_zero", problem, *one, DONE) for one in moved]
-            c = problem.campaign.with_poses(q=q)
-        problem = Problem(problem.robot, problem.arm, c, problem.compensator)
+        was = effect.as_it_was(problem, values, np.sqrt(np.diag(covariance)))
+        if was is None:
+            continue
+        poses = was.campaign.poses
+        for setup, what in was.said:
+            first = int(np.argmax(poses.setup == setup))
+            faults.append(FaultFound(was.kind, poses.ids[first], None, what, was.done))
+        problem = Problem(problem.robot, problem.arm, was.campaign, problem.compensator)
     return problem, tuple(faults)
-
-
-def _fault(kind: DataFault, problem: Problem, setup: int, what: str, done: str) -> FaultFound:
-    """What is otherwise in a set-up, told at its first pose."""
-    first = int(np.argmax(problem.campaign.poses.setup == setup))
-    return FaultFound(kind, problem.campaign.poses.ids[first], None, what, done)

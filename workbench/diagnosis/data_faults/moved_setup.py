@@ -15,7 +15,7 @@ from ...campaign.path_sides import sides_along
 from ...campaign.problem import Problem
 from ...effects import catalogue
 from ...effects.base import Effect
-from ...effects.given import DataFault
+from ...effects.recorded import DataFault
 from ...effects.unnamed import unnamed
 from ...identification.fit import Fit
 from ...identification.registration import (

@@ -13,7 +13,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...campaign import Campaign
 from ...campaign.problem import Problem
 from ...robot.kinematics import Arm, Array, Frames
 from ...robot.loads import Loads
@@ -21,8 +20,11 @@ from ..base import SURELY, Depends, Param, motion_said
 from ..kinds import DirectEffect, LoadEffect
 from ..masses import mass_wrench, usually_mounted
 from ..place import Parameter, Where
+from ..recorded import Recorded
 from .base import Unnamed, each, moving
 
+COUNTED = "counted there as in the last campaign, whose zeros the model has"
+CARRIED = "taken to carry that there; state it in that campaign"
 LEVER = 0.1  # m: a usual mass has its first moment at this distance from where it is stated
 MOST = 4  # further set-ups that may each have a geometry of its own: more of them have too few poses
 
@@ -68,13 +70,11 @@ class ZeroAnew(Anew):
         column = int(problem.arm.axial[problem.joint(self.where.joint)])
         return {column: self._before_last(problem)}
 
-    def as_commanded(self, problem: Problem, values: Array) -> Array:
-        q = problem.q.copy()
-        q[:, problem.joint(self.where.joint)] += self._before_last(problem) @ values
-        return q
-
-    def said_by_setup(self, problem: Problem, values: Array, std: Array) -> Sequence[tuple[int, str]]:
+    def as_it_was(self, problem: Problem, values: Array, std: Array) -> Recorded:
+        """With joints counted in all campaigns as in the last. The zero stays in campaigns of which others
+        alone are off."""
         j, names = problem.joint(self.where.joint), problem.campaign.setup_names
+        moved = np.abs(values) > SURELY * std
 
         def said(k: int, value: float, spread: float) -> str:
             size, error = (motion_said(v, bool(problem.arm.prismatic[j])) for v in (value, spread))
@@ -82,8 +82,10 @@ class ZeroAnew(Anew):
             where = f"the zero of {self.where.joint} in {names[k]}"
             return f"{where} is {size} (± {error}) from that in {names[-1]}"
 
-        each = enumerate(zip(values.tolist(), std.tolist(), strict=True))
-        return [(k, said(k, *one)) for k, one in each]
+        q = problem.q.copy()
+        q[:, j] += self._before_last(problem) @ np.where(moved, values, 0.0)
+        found = [(k, said(k, float(values[k]), float(std[k]))) for k in np.flatnonzero(moved).tolist()]
+        return Recorded("moved_zero", problem.campaign.with_poses(q=q), found, COUNTED)
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
@@ -172,8 +174,8 @@ class CarriedAnew(Unnamed, LoadEffect):
         unit = np.eye(4)[:, None] * here[:, None]
         return np.stack([mass_wrench(problem, where, flange, one[:, 0], one[:, 1:]) for one in unit], axis=-1)
 
-    def as_carried(self, problem: Problem, values: Array) -> Campaign:
-        """Each load of the set-up is one of its own, named as the set-up."""
+    def as_it_was(self, problem: Problem, values: Array, std: Array) -> Recorded:
+        """With what the arm carried in the set-up, each of its loads as one named after it."""
         c = problem.campaign
         there, setup = self._here(problem) > 0, str(self.where.payload)
         old = np.unique(c.poses.payload[there])
@@ -182,29 +184,27 @@ class CarriedAnew(Unnamed, LoadEffect):
         com = np.where(mass[:, None] > 0, moment / np.maximum(mass, 1e-9)[:, None], 0.0)
         names = [f"{name} ({setup})" if (name := c.payload_names[i]) else f"load ({setup})" for i in old]
         new = len(c.payload_names) + np.searchsorted(old, c.poses.payload)
-        return replace(
+        campaign = replace(
             c,
             payload_names=(*c.payload_names, *names),
             load_mass=np.append(c.load_mass, mass),
             load_com=np.vstack([c.load_com, com]),
             poses=replace(c.poses, payload=np.where(there, new, c.poses.payload)),
         )
-
-    def said_by_setup(self, problem: Problem, values: Array, std: Array) -> Sequence[tuple[int, str]]:
-        c, setup = problem.campaign, str(self.where.payload)
-        k = c.setup_names.index(setup)
-        stated = np.unique(c.poses.payload[c.poses.setup == k])
-        if len(stated) > 1:
+        if len(old) > 1:
             kg = f"{abs(values[0]):.3g} kg (± {std[0]:.2g} kg) {'less' if values[0] < 0 else 'more'}"
-            return [(k, f"with each of its loads the arm carries {kg} than stated in {setup}")]
-        (i,) = stated.tolist()
-        mass = float(max(c.load_mass[i] + values[0], 0.0))
-        said = f"{mass:.3g} kg (± {std[0]:.2g} kg)"
-        if mass > SURELY * std[0]:
-            x, y, z = 1e3 * (c.load_mass[i] * c.load_com[i] + values[1:]) / mass
-            said += f", centred {x:.0f}, {y:.0f}, {z:.0f} mm from the flange,".replace("-", "\N{MINUS SIGN}")
-        beside = " beside its tool" if c.tool_mass > 0 else ""
-        return [(k, f"the arm carries {said} in {setup}, where {c.load_mass[i]:g} kg are stated{beside}")]
+            what = f"with each of its loads the arm carries {kg} than stated in {setup}"
+        else:
+            said = f"{mass[0]:.3g} kg (± {std[0]:.2g} kg)"
+            if mass[0] > SURELY * std[0]:
+                x, y, z = 1e3 * com[0]
+                said += f", centred {x:.0f}, {y:.0f}, {z:.0f} mm from the flange,".replace(
+                    "-", "\N{MINUS SIGN}"
+                )
+            beside = " beside its tool" if c.tool_mass > 0 else ""
+            stated = f"{c.load_mass[old[0]]:g} kg are stated{beside}"
+            what = f"the arm carries {said} in {setup}, where {stated}"
+        return Recorded("changed_load", campaign, [(c.setup_names.index(setup), what)], CARRIED)
 
     def _here(self, problem: Problem) -> Array:
         """(N,) 1 in the poses of the set-up."""
