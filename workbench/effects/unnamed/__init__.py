@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...campaign.problem import Problem
-from .anew import CarriedAnew, GeometryAnew, ZeroAnew
+from .anew import CarriedAnew, GeometryAnew, ScaleAnew, ZeroAnew
 from .base import Unnamed
 from .campaign import Along, Attitude, Clock, PerPayload, Warmth, Zeros
 from .carriage import UnevenCarriage
@@ -21,7 +21,7 @@ from .loads import Load, OwnWeights, StatedForces, Torque, UnevenTilt
 
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Along, Zeros, Warmth, PerPayload, Attitude, Bearing,
-    Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, GeometryAnew,
+    Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, ScaleAnew, GeometryAnew,
     Product,
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself

@@ -17,21 +17,22 @@ from ...campaign.problem import Problem
 from ...robot.kinematics import Arm, Array, Frames
 from ...robot.loads import Loads
 from ..base import SURELY, Depends, Param, motion_said
-from ..kinds import DirectEffect, LoadEffect
+from ..kinds import DirectEffect, InstrumentEffect, LoadEffect
 from ..masses import mass_wrench, usually_mounted
 from ..place import Parameter, Where
 from ..recorded import Recorded
 from .base import Unnamed, each, moving
 
 COUNTED = "counted there as in the last campaign, whose zeros the model has"
+SCALED = "scaled there as in the last campaign; a known distance tells which is right"
 CARRIED = "taken to carry that there; state it in that campaign"
 LEVER = 0.1  # m: a usual mass has its first moment at this distance from where it is stated
 MOST = 4  # further set-ups that may each have a geometry of its own: more of them have too few poses
 
 
 @dataclass(frozen=True)
-class Anew(Unnamed, DirectEffect):
-    """One place of the robot for each set-up but the last. others: number of these."""
+class Anew(Unnamed):
+    """One place of the robot, or one instrument, for each set-up but the last. others: number of these."""
 
     size: float = 3e-4
     others: float = 1.0
@@ -53,7 +54,7 @@ class Anew(Unnamed, DirectEffect):
 
 
 @dataclass(frozen=True)
-class ZeroAnew(Anew):
+class ZeroAnew(Anew, DirectEffect):
     """A joint's zero stands elsewhere in each campaign: it was mastered anew."""
 
     variant: str = "zero anew"
@@ -94,7 +95,48 @@ class ZeroAnew(Anew):
 
 
 @dataclass(frozen=True)
-class GeometryAnew(Anew):
+class ScaleAnew(Anew, InstrumentEffect):
+    """All lengths are in another scale in each campaign: the instrument's is another, or the whole arm is
+    warmer."""
+
+    variant: str = "scale anew"
+    size: float = 1e-5
+
+    @property
+    def functions(self) -> int:
+        return int(self.others)
+
+    @property
+    def variable(self) -> str:
+        return "the campaign: the scale of all lengths is not the same in all"
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        return np.asarray(points[..., None] * self._before_last(problem)[:, None, None])
+
+    def as_it_was(self, problem: Problem, values: Array, std: Array) -> Recorded:
+        """With points in the scale of the last campaign."""
+        names = problem.campaign.setup_names
+        moved = np.abs(values) > SURELY * std
+
+        def said(k: int, value: float, spread: float) -> str:
+            size = f"{1e6 * abs(value):.0f} ppm (± {1e6 * spread:.1g} ppm)"
+            longer, warmer = ("longer", "warmer") if value > 0 else ("shorter", "colder")
+            what = f"lengths in {names[k]} are {size} {longer} than in {names[-1]}"
+            return f"{what}: the instrument's scale, or a {warmer} arm"
+
+        found = [(k, said(k, float(values[k]), float(std[k]))) for k in np.flatnonzero(moved).tolist()]
+        scale = 1 + self._before_last(problem) @ np.where(moved, values, 0.0)
+        campaign = replace(problem.campaign, points=problem.campaign.points / scale[:, None, None])
+        return Recorded("changed_scale", campaign, found, SCALED)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        others = _others(problem)
+        return [cls(others=others)] if others else []
+
+
+@dataclass(frozen=True)
+class GeometryAnew(Anew, DirectEffect):
     """Every campaign has a geometry of its own: it is another robot, or one that was taken apart. motions:
     those of all its joints' frames."""
 
