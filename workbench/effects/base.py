@@ -373,7 +373,8 @@ class Effect(ABC):
         if data.kind == "prismatic" or not np.isfinite(data.upper - data.lower):
             return {"range": "its whole range"}
         low, high = np.degrees([data.lower, data.upper])
-        return {"range": f"its whole range, {low:.0f} … {high:.0f}°"}
+        ends = f"{low:.0f} … {high:.0f}°".replace("-", "\N{MINUS SIGN}")
+        return {"range": f"its whole range, {ends}"}
 
     @property
     def bounded(self) -> bool:
