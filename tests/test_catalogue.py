@@ -318,7 +318,8 @@ def test_what_tells_apart_is_said_of_this_robot():
     at = Where(joint="joint_2")
     ratio, gear, map_of = (("gear_ratio", at), ("gear_eccentricity", at), ("joint_map", at))
     gas = problem_of(planned(load_robot("kr500"), np.zeros((1, 6))))
-    assert separation_beside(gear, ratio, [], gas) == "sweep the joint over its whole range, \N{MINUS SIGN}130 … 20°"
+    whole = "sweep the joint over its whole range, \N{MINUS SIGN}130 … 20°"
+    assert separation_beside(gear, ratio, [], gas) == whole
     for one in (gear, map_of):
         words = separation_beside(one, link, [], gas)
         assert words is not None
