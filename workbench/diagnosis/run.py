@@ -105,8 +105,8 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
 
 def _mended(prepared: Prepared, found: Searched) -> Prepared | None:
     """Without data faults that show beside what was found alone, None where there is none: wild points,
-    zeros and loads that are others in some campaigns, or else a step in time, which functions of time and
-    order without a name would take up."""
+    zeros, loads and scales that are others in some campaigns, or else a step in time, which functions of time
+    and order without a name would take up."""
     wild = wild_beside(found.selection.fit, prepared.least)
     if wild.faults:
         return prepared.mended(wild)

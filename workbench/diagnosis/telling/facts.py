@@ -65,13 +65,14 @@ def _set_ups(problem: Problem, final: Fit) -> str:
     setup, names = problem.campaign.poses.setup, problem.campaign.setup_names
     if len(names) == 1:
         return names[0] or "one"
-    seen = [problem.seen & (setup == k)[:, None] for k in range(len(names))]
-    noise = [1e3 * float(np.sqrt(np.mean(final.noise.sigma[some] ** 2))) for some in seen]
+    seen = {k: problem.seen & (setup == k)[:, None] for k in np.unique(setup).tolist()}
+    noise = {k: 1e3 * float(np.sqrt(np.mean(final.noise.sigma[some] ** 2))) for k, some in seen.items()}
+    alike = max(noise.values()) <= ALIKE * min(noise.values())
     said = []
-    for k, name in enumerate(names):
-        off = 1e3 * float(np.sqrt(np.sum(final.residual[seen[k]] ** 2, axis=-1).mean()))
-        words = f"{name or 'one'}: {(setup == k).sum()} poses, {off:.3f} mm RMS left"
-        said.append(f"{words}, noise {noise[k]:.3f} mm" if max(noise) > ALIKE * min(noise) else words)
+    for k, some in seen.items():
+        off = 1e3 * float(np.sqrt(np.sum(final.residual[some] ** 2, axis=-1).mean()))
+        words = f"{names[k] or 'one'}: {(setup == k).sum()} poses, {off:.3f} mm RMS left"
+        said.append(words if alike else f"{words}, noise {noise[k]:.3f} mm")
     return "; ".join(said)
 
 
