@@ -1,6 +1,5 @@
 """What changed between campaigns and is nothing of the arm: its zeros, where it was mastered anew or hit
-something, or what it carries, where another tool or payload was mounted than is stated, or how long things are
-in the instrument's scale.
+something; what it carries, where another tool or payload was mounted than is stated; the scale of lengths.
 
 Fitted as one robot, two zeros of a joint are an error of a thousandth of the arm's reach in every pose of
 both, in which any cause drowns. That is no cause: what the controller counts from is written down otherwise.
@@ -18,9 +17,9 @@ from ..search.competition import Selection
 
 
 def changed_between(selection: Selection) -> tuple[Problem, tuple[FaultFound, ...]]:
-    """The problem with joints counted and lengths scaled in all campaigns as in the last, and with what the arm
-    carries in each, where a search is as sure of that as a name asks for; and what was found. Beside causes:
-    what a cause explains as well is none."""
+    """The problem with joints counted and lengths scaled in all campaigns as in the last, and with what the
+    arm carries in each, where a search is as sure of that as a name asks for; and what was found. Beside
+    causes: what a cause explains as well is none."""
     final = selection.fit
     problem, faults = final.model.problem, list[FaultFound]()
     sure = {
