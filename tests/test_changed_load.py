@@ -75,10 +75,28 @@ def test_a_load_as_carried_moves_the_arm_as_the_effect_has_it(tmp_path, values):
     for effect in CarriedAnew.sites(whole):
         model = Model(whole, (effect,))
         there = model.predict(replace(model.in_base(), values=(np.array(values),)))
-        known = problem_of(effect.as_it_was(whole, np.array(values), np.ones(4)).campaign)
+        was = effect.as_it_was(whole, np.array(values), np.ones(4))
+        assert was is not None
+        known = problem_of(was.campaign)
         assert np.abs(Model(known).predict(Model(known).in_base()) - there).max() < 1e-9
         other = whole.campaign.poses.setup != whole.campaign.setup_names.index(effect.where.payload)
         assert np.array_equal(known.campaign.poses.payload[other], whole.campaign.poses.payload[other])
+
+
+@pytest.mark.parametrize(("kg", "told"), [(-260.0, False), (-251.0, True), (-240.0, True)])
+def test_no_arm_carries_less_than_nothing(tmp_path, kg, told):
+    whole = problem_of(join([load_campaign(path) for path in carried(tmp_path, STATED, STATED)]))
+    was = CarriedAnew.sites(whole)[0].as_it_was(whole, np.array([kg, 1.0, 0.0, -1.0]), np.ones(4))
+    assert (was is not None) == told
+
+
+def test_an_arm_that_carries_nothing_as_stated_is_as_stated(tmp_path):
+    loaded = [load_campaign(path) for path in carried(tmp_path, STATED, STATED)]
+    bare = loaded[0].with_poses(payload=np.zeros(len(loaded[0].poses), dtype=np.int64))
+    whole = problem_of(join([bare, loaded[1]]))
+    (effect,) = CarriedAnew.sites(whole)
+    assert effect.as_it_was(whole, np.array([-0.5, 1.0, 0.0, -1.0]), np.ones(4)) is None
+    assert effect.as_it_was(whole, np.array([5.0, 1.0, 0.0, -1.0]), np.ones(4)) is not None
 
 
 def test_set_ups_of_a_single_campaign_are_one_load():

@@ -216,12 +216,16 @@ class CarriedAnew(Unnamed, LoadEffect):
         unit = np.eye(4)[:, None] * here[:, None]
         return np.stack([mass_wrench(problem, where, flange, one[:, 0], one[:, 1:]) for one in unit], axis=-1)
 
-    def as_it_was(self, problem: Problem, values: Array, std: Array) -> Recorded:
-        """With what the arm carried in the set-up, each of its loads as one named after it."""
+    def as_it_was(self, problem: Problem, values: Array, std: Array) -> Recorded | None:
+        """With what the arm carried in the set-up, each of its loads as one named after it. None where that
+        would be less than nothing, or nothing as stated."""
         c = problem.campaign
         there, setup = self._here(problem) > 0, str(self.where.payload)
         old = np.unique(c.poses.payload[there])
         mass = np.maximum(c.load_mass[old] + values[0], 0.0)
+        less = c.load_mass[old] + values[0] < -SURELY * std[0]
+        if less.any() or np.array_equal(mass, c.load_mass[old]):
+            return None
         moment = c.load_mass[old, None] * c.load_com[old] + values[1:]
         com = np.where(mass[:, None] > 0, moment / np.maximum(mass, 1e-9)[:, None], 0.0)
         names = [f"{name} ({setup})" if (name := c.payload_names[i]) else f"load ({setup})" for i in old]
@@ -239,10 +243,8 @@ class CarriedAnew(Unnamed, LoadEffect):
         else:
             said = f"{mass[0]:.3g} kg (± {std[0]:.2g} kg)"
             if mass[0] > SURELY * std[0]:
-                x, y, z = 1e3 * com[0]
-                said += f", centred {x:.0f}, {y:.0f}, {z:.0f} mm from the flange,".replace(
-                    "-", "\N{MINUS SIGN}"
-                )
+                centre = ", ".join(f"{round(1e3 * c)}" for c in com[0].tolist())
+                said += f", centred {centre} mm from the flange,".replace("-", "\N{MINUS SIGN}")
             beside = " beside its tool" if c.tool_mass > 0 else ""
             stated = f"{c.load_mass[old[0]]:g} kg are stated{beside}"
             what = f"the arm carries {said} in {setup}, where {stated}"
