@@ -9,8 +9,12 @@ from typing import Any
 from .arguments import from_zero, positive
 from .status import warn
 
-NUMBERS = {"--seed": from_zero, "--workers": positive}
-FLAGS = ("--resume", "--quick")
+COMMON: dict[str, dict[str, Any]] = {
+    "--seed": {"type": from_zero},
+    "--workers": {"type": positive},
+    "--resume": {"nargs": 0},
+    "--quick": {"nargs": 0},
+}
 
 
 def take_common(parser: argparse.ArgumentParser) -> None:
@@ -19,13 +23,11 @@ def take_common(parser: argparse.ArgumentParser) -> None:
     for commands in below:
         for command in commands.choices.values():
             take_common(command)
-    if not below:
-        for option in {*NUMBERS, *FLAGS} - set(parser._option_string_actions):
-            count = 0 if option in FLAGS else None
-            read = NUMBERS.get(option, str)
-            parser.add_argument(
-                option, action=_Idle, nargs=count, type=read, dest=argparse.SUPPRESS, help=argparse.SUPPRESS
-            )
+    if below:
+        return
+    for option, read in COMMON.items():
+        if option not in parser._option_string_actions:
+            parser.add_argument(option, action=_Idle, dest=argparse.SUPPRESS, help=argparse.SUPPRESS, **read)
 
 
 class _Idle(argparse.Action):

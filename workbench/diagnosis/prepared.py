@@ -23,29 +23,16 @@ from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.plausible import (
-    common_factor,
-    enough_poses,
-    plausible_geometry,
-    too_few_alone,
-)
+from ..identification.plausible import common_factor, enough_poses, plausible_geometry, too_few_alone
 from ..identification.set_up import fit_set_up
 from ..robot.kinematics import Array
 from .data_faults.copies import without_copies
 from .data_faults.moved_setup import Step, split_setup
 from .data_faults.rounded_joints import shared_rounding
 from .data_faults.sound import Enough, Sound, measured_only, noise_at, where_each_moved, without_faults
-from .data_faults.wild_points import (
-    Acting,
-    Cleaned,
-    least_sigma,
-)
+from .data_faults.wild_points import Acting, Cleaned, least_sigma
 from .noise.coarse import coarseness
-from .noise.noise_choice import (
-    from_residual,
-    of_distances,
-    rigid_targets,
-)
+from .noise.noise_choice import from_residual, of_distances, rigid_targets
 from .noise.six_dof import of_repeats, of_turns, turn_rad
 from .noise.torque_noise import torque_noise
 from .result import FaultFound, Noise

@@ -134,6 +134,7 @@ def measured_only(problem: Problem) -> Problem:
 
 
 def noise_at(problem: Problem, known_effects: Acting, start: State) -> tuple[Covariance, Noise, list[str]]:
+    """The noise as it is chosen (`choose`) at the state that fits start from."""
     return choose(problem, Model(problem, (), known_effects).linearise(start))
 
 

@@ -1,8 +1,10 @@
 """What is otherwise in each of several campaigns that are fitted as one robot: it was mastered anew, hit
-something, was repaired, is another specimen; or another tool was mounted than is stated.
+something, was repaired, is another specimen; another tool was mounted than is stated; lengths are in another
+scale.
 
-Places are zero in the last of the campaigns: a model that leaves them out is the robot as that found it.
-Loads differ from the stated, in any campaign: a model without them is the robot under the stated ones.
+Places and scales are zero in the last of the campaigns: a model that leaves them out is the robot as that
+found it. Loads differ from the stated, in any campaign: a model without them is the robot under the stated
+ones.
 """
 
 from __future__ import annotations
@@ -31,14 +33,10 @@ MOST = 4  # further set-ups that may each have a geometry of its own: more of th
 
 
 @dataclass(frozen=True)
-class Anew(Unnamed):
-    """One place of the robot, or one instrument, for each set-up but the last. others: number of these."""
-
-    size: float = 3e-4
-    others: float = 1.0
+class BySetup(Unnamed):
+    """Something that goes with the set-up, and stays in its campaigns."""
 
     depends: ClassVar[Depends] = frozenset({"setup"})
-    settings: ClassVar[tuple[str, ...]] = ("size", "others")
     dated: ClassVar[bool] = True
 
     @property
@@ -48,9 +46,28 @@ class Anew(Unnamed):
     def x(self, problem: Problem) -> Array:
         return problem.campaign.poses.setup.astype(float)
 
+
+@dataclass(frozen=True)
+class Anew(BySetup):
+    """One place of the robot, or one instrument, for each set-up but the last. others: number of these."""
+
+    size: float = 3e-4
+    others: float = 1.0
+
+    settings: ClassVar[tuple[str, ...]] = ("size", "others")
+
+    @property
+    def functions(self) -> int:
+        return int(self.others)
+
     def _before_last(self, problem: Problem) -> Array:
         """(N, others) 1 in the poses of each set-up but the last."""
         return (problem.campaign.poses.setup[:, None] == np.arange(int(self.others))).astype(float)
+
+
+def _surely(values: Array, std: Array) -> Array:
+    """Values (p,), those that may be zero as zero: a campaign stays as it is where others alone are off."""
+    return np.where(np.abs(values) > SURELY * std, values, 0.0)
 
 
 @dataclass(frozen=True)
@@ -58,10 +75,6 @@ class ZeroAnew(Anew, DirectEffect):
     """A joint's zero stands elsewhere in each campaign: it was mastered anew."""
 
     variant: str = "zero anew"
-
-    @property
-    def functions(self) -> int:
-        return int(self.others)
 
     @property
     def variable(self) -> str:
@@ -72,10 +85,9 @@ class ZeroAnew(Anew, DirectEffect):
         return {column: self._before_last(problem)}
 
     def as_it_was(self, problem: Problem, values: Array, std: Array) -> Recorded:
-        """With joints counted in all campaigns as in the last. The zero stays in campaigns of which others
-        alone are off."""
+        """With joints counted in all campaigns as in the last."""
         j, names = problem.joint(self.where.joint), problem.campaign.setup_names
-        moved = np.abs(values) > SURELY * std
+        moved = _surely(values, std)
 
         def said(k: int, value: float, spread: float) -> str:
             size, error = (motion_said(v, bool(problem.arm.prismatic[j])) for v in (value, spread))
@@ -84,7 +96,7 @@ class ZeroAnew(Anew, DirectEffect):
             return f"{where} is {size} (± {error}) from that in {names[-1]}"
 
         q = problem.q.copy()
-        q[:, j] += self._before_last(problem) @ np.where(moved, values, 0.0)
+        q[:, j] += self._before_last(problem) @ moved
         found = [(k, said(k, float(values[k]), float(std[k]))) for k in np.flatnonzero(moved).tolist()]
         return Recorded("moved_zero", problem.campaign.with_poses(q=q), found, COUNTED)
 
@@ -103,10 +115,6 @@ class ScaleAnew(Anew, InstrumentEffect):
     size: float = 1e-5
 
     @property
-    def functions(self) -> int:
-        return int(self.others)
-
-    @property
     def variable(self) -> str:
         return "the campaign: the scale of all lengths is not the same in all"
 
@@ -116,7 +124,7 @@ class ScaleAnew(Anew, InstrumentEffect):
     def as_it_was(self, problem: Problem, values: Array, std: Array) -> Recorded:
         """With points in the scale of the last campaign."""
         names = problem.campaign.setup_names
-        moved = np.abs(values) > SURELY * std
+        moved = _surely(values, std)
 
         def said(k: int, value: float, spread: float) -> str:
             size = f"{1e6 * abs(value):.0f} ppm (± {1e6 * spread:.1g} ppm)"
@@ -125,7 +133,7 @@ class ScaleAnew(Anew, InstrumentEffect):
             return f"{what}: the instrument's scale, or a {warmer} arm"
 
         found = [(k, said(k, float(values[k]), float(std[k]))) for k in np.flatnonzero(moved).tolist()]
-        scale = 1 + self._before_last(problem) @ np.where(moved, values, 0.0)
+        scale = 1 + self._before_last(problem) @ moved
         campaign = replace(problem.campaign, points=problem.campaign.points / scale[:, None, None])
         return Recorded("changed_scale", campaign, found, SCALED)
 
@@ -169,7 +177,7 @@ def _others(problem: Problem) -> float:
 
 
 @dataclass(frozen=True)
-class CarriedAnew(Unnamed, LoadEffect):
+class CarriedAnew(BySetup, LoadEffect):
     """In one of several campaigns the arm carries something else than is stated there: mass and first moment
     at the flange, in all its poses. usual: [kg] that such an arm carries; size: over that."""
 
@@ -177,9 +185,7 @@ class CarriedAnew(Unnamed, LoadEffect):
     size: float = 1.0
     usual: float = 1.0
 
-    depends: ClassVar[Depends] = frozenset({"setup"})
     settings: ClassVar[tuple[str, ...]] = ("size", "usual")
-    dated: ClassVar[bool] = True
 
     @property
     def functions(self) -> int:
@@ -192,15 +198,8 @@ class CarriedAnew(Unnamed, LoadEffect):
         return (Param("mass", "kg", mass, "added to the stated mass", spread=mass), *first)
 
     @property
-    def unit(self) -> str:
-        return "1"
-
-    @property
     def variable(self) -> str:
         return f"the campaign: what the arm carries in {self.where.payload} is not what is stated"
-
-    def x(self, problem: Problem) -> Array:
-        return problem.campaign.poses.setup.astype(float)
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         std = float(np.sqrt(covariance[0, 0]))
@@ -243,7 +242,7 @@ class CarriedAnew(Unnamed, LoadEffect):
         else:
             said = f"{mass[0]:.3g} kg (± {std[0]:.2g} kg)"
             if mass[0] > SURELY * std[0]:
-                centre = ", ".join(f"{round(1e3 * c)}" for c in com[0].tolist())
+                centre = ", ".join(f"{round(1e3 * along)}" for along in com[0].tolist())
                 said += f", centred {centre} mm from the flange,".replace("-", "\N{MINUS SIGN}")
             beside = " beside its tool" if c.tool_mass > 0 else ""
             stated = f"{c.load_mass[old[0]]:g} kg are stated{beside}"
