@@ -19,6 +19,7 @@ from workbench.diagnosis.data_faults.wild_points import much_left_out
 from workbench.diagnosis.first_look import first_look
 from workbench.effects import catalogue
 from workbench.files.faults import InputError
+from workbench.identification import parameters
 from workbench.identification.plausible import check_plausible, judge, plausible_geometry
 from workbench.report.first_look import check_campaign
 from workbench.robot import rotations
@@ -492,8 +493,10 @@ def test_the_command_line_refuses_and_writes_nothing(tmp_path, capsys):
 
 
 def test_strong_faults_that_bend_the_geometry_are_not_another_robot(tmp_path, monkeypatch):
-    """A compensator far off, believed to the noise, bends it by decimetres along what hardly shows."""
+    """A compensator far off, believed to the noise, bends it by decimetres along what hardly shows where what
+    no point shows is not held."""
     free = []
+    monkeypatch.setattr(parameters, "LEVER_PRIOR", parameters.GEOMETRY_PRIOR)
     monkeypatch.setattr(
         preparation, "plausible_geometry", lambda fit: free.append(fit) or plausible_geometry(fit)
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..robot.compensator import CompensatorLaw
 from ..robot.description import Robot
-from ..robot.hidden_geometry import hidden_shifts
+from ..robot.hidden_geometry import hidden_corrections
 from ..robot.kinematics import Arm, Array, Frames, frames
 from ..robot.loads import Loads, Wrenches, wrenches
 from . import Campaign
@@ -86,9 +86,9 @@ class Problem:
         return wrenches(self.arm, self.rigid, self.loads)
 
     @cached_property
-    def hidden_shifts(self) -> frozenset[int]:
+    def hidden_corrections(self) -> frozenset[int]:
         """Columns of corrections that no measured point can show."""
-        return hidden_shifts(self.arm)
+        return hidden_corrections(self.arm)
 
     @cached_property
     def warmth(self) -> Array | None:
