@@ -1,8 +1,8 @@
 """Identification: Gauss–Newton on analytic Jacobians, whitened by the noise, held by wide priors.
 
 Geometry corrections carry a prior of a few mm and mrad, which is far wider than what data decide and
-keeps what they cannot decide at its nominal value: no columns are chosen by hand, nothing runs off. Shifts
-that no point shows, whatever the pose, are held to half a millimetre: they are levers of loads alone.
+keeps what they cannot decide at its nominal value: no columns are chosen by hand, nothing runs off. What
+no point shows, whatever the pose, is held to 0.5 mm and 0.5 mrad: it changes levers of loads alone.
 """
 
 from __future__ import annotations
