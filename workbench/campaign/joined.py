@@ -51,7 +51,8 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
     )
     offsets = np.cumsum([0, *(len(campaign.setup_names) for campaign in campaigns[:-1])])
     sigma, noise_sigma, warnings = _noise(campaigns, columns, len(targets))
-    first = campaigns[0]
+    first, last = campaigns[0], campaigns[-1]
+    mounted = load_of[-1][last.payload_names.index(last.mounted)]
     return Campaign(
         title=_title(campaigns, labels),
         path=first.path,
@@ -85,6 +86,8 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         known=reduce(KnownData.and_more, (campaign.known for campaign in campaigns)),
         beside=tuple(path for c in campaigns for path in (c.path, *c.beside))[1:],
         told=tuple(dict.fromkeys(fact for campaign in campaigns for fact in campaign.told)),
+        labels=tuple(labels),
+        mounted=loads[mounted].name,
     )
 
 

@@ -61,6 +61,7 @@ class Robot:
     source: dict[str, Any] = field(default_factory=dict)
     tool: LoadData | None = None
     payloads: dict[str, LoadData] = field(default_factory=dict)
+    mounted: str = ""
     geometry: dict[str, dict[str, float]] = field(default_factory=dict)
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
@@ -162,6 +163,7 @@ def load_robot(robot: str | Path) -> Robot:
         source=file.source,
         tool=file.tool,
         payloads=file.payloads,
+        mounted=file.mounted,
         geometry=file.geometry,
         effects=file.effects,
         path=path,

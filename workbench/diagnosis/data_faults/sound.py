@@ -142,7 +142,8 @@ def where_each_moved(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ..
     """Several campaigns as one, with two set-ups for one whose instrument or tool moved, and that as a fault.
     Seen in each alone: beside others, these are poses that do not fit."""
     found = list[FaultFound]()
-    for k, name in enumerate(campaign.setup_names):
+    for name in campaign.setup_names:
+        k = campaign.setup_names.index(name)
         poses = np.flatnonzero(campaign.poses.setup == k)
         if not campaign.seen[poses].any():
             continue
