@@ -67,12 +67,17 @@ def test_two_campaigns_in_one_folder_are_told_apart_by_their_files(tmp_path: Pat
     assert join([load_campaign(path), load_campaign(other)]).setup_names == ("run/campaign", "run/again")
 
 
-def test_join_with_unknown_noise_says_so(tmp_path: Path) -> None:
+def test_join_knows_which_campaigns_state_no_noise(tmp_path: Path) -> None:
+    """The others keep what they state, which is the guess of theirs."""
     one = load_campaign(write_example(tmp_path / "one", TOML + "[noise]\nsigma_mm = 0.1\n"))
     two = load_campaign(write_example(tmp_path / "two"))
     both = join([one, two])
-    assert (both.sigma, both.noise_sigma) == (None, None)
-    assert "two/campaign.toml: states no noise" in both.warnings[-1]
+    assert (both.silent, both.noise_sigma) == (("two",), pytest.approx(1e-4))
+    assert both.sigma is not None
+    assert both.sigma[both.of_label("one")][both.seen[both.of_label("one")]] == pytest.approx(1e-4)
+    assert np.isfinite(both.sigma[both.seen]).all()
+    neither = join([replace(one, noise_sigma=None), two])
+    assert (neither.silent, neither.sigma, neither.noise_sigma) == ((), None, None)
 
 
 def test_join_refuses_what_cannot_be_one(tmp_path: Path) -> None:

@@ -71,7 +71,8 @@ class Campaign:
     cell              what stands around the robot, for plans
     beside            the files of further campaigns that are in it; told: facts that its file does not have,
                       as `--known` takes them
-    labels            what several campaigns that are in it are called, as their set-ups begin
+    labels            what several campaigns that are in it are called, as their set-ups begin; silent: of
+                      those that state no noise beside others that do, whose sigma is a guess
     mounted           the payload that is the tool mounted now, where tools are payloads; "": `tool_mass`
     """
 
@@ -100,6 +101,7 @@ class Campaign:
     beside: tuple[Path, ...] = ()
     told: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
+    silent: tuple[str, ...] = ()
     mounted: str = ""
 
     @property
@@ -194,6 +196,16 @@ class Campaign:
             own = [k for k, label in enumerate(labels) if begins(name, label)]
             of.append(max(own, key=lambda k: len(labels[k]), default=0))
         return np.array(of, dtype=np.int64)[self.poses.setup]
+
+    @property
+    def of_silent(self) -> dict[str, NDArray[np.bool_]]:
+        """Of each campaign that states no noise beside others that do (N,) which poses are of it."""
+        each = {label: self.of_label(label) for label in self.silent}
+        return {label: here for label, here in each.items() if here.any()}
+
+    def of_label(self, label: str) -> NDArray[np.bool_]:
+        """(N,) whether each pose is of the campaign of that label."""
+        return np.asarray(self.of_campaign == self.labels.index(label))
 
     @property
     def n_poses(self) -> int:

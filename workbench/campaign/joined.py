@@ -50,7 +50,7 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         for name in campaign.setup_names
     )
     offsets = np.cumsum([0, *(len(campaign.setup_names) for campaign in campaigns[:-1])])
-    sigma, noise_sigma, warnings = _noise(campaigns, columns, len(targets))
+    sigma, noise_sigma, stated = _noise(campaigns, columns, len(targets))
     first, last = campaigns[0], campaigns[-1]
     mounted = load_of[-1][last.payload_names.index(last.mounted)]
     return Campaign(
@@ -80,13 +80,14 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         shot_scatter=(sum(c.shot_scatter[0] for c in campaigns), sum(c.shot_scatter[1] for c in campaigns)),
         noise_sigma=noise_sigma,
         six_dof=first.six_dof,
-        warnings=(*(line for campaign in campaigns for line in campaign.warnings), *tools, *warnings),
+        warnings=(*(line for campaign in campaigns for line in campaign.warnings), *tools),
         files=_files(campaigns, labels),
         cell=first.cell,
         known=reduce(KnownData.and_more, (campaign.known for campaign in campaigns)),
         beside=tuple(path for c in campaigns for path in (c.path, *c.beside))[1:],
         told=tuple(dict.fromkeys(fact for campaign in campaigns for fact in campaign.told)),
         labels=tuple(labels),
+        silent=tuple(label for label, told in zip(labels, stated, strict=True) if not told and any(stated)),
         mounted=loads[mounted].name,
     )
 
@@ -228,29 +229,26 @@ def _spread(arrays: Sequence[Array], columns: Sequence[IntArray], n_targets: int
 
 def _noise(
     campaigns: Sequence[Campaign], columns: Sequence[IntArray], n_targets: int
-) -> tuple[Array | None, float | None, list[str]]:
-    """Sigma per point, sigma of one shot, warnings. One unknown noise makes the noise of all unknown."""
+) -> tuple[Array | None, float | None, list[bool]]:
+    """Sigma per point, sigma of one shot, and which campaigns state a noise: that of the others, as far as
+    there are any, is a guess by what these state."""
     first = campaigns[0]
     stated = [campaign.sigma is not None or campaign.noise_sigma is not None for campaign in campaigns]
     if all(campaign.sigma is None and campaign.noise_sigma == first.noise_sigma for campaign in campaigns):
-        return None, first.noise_sigma, []
-    if not all(stated):
-        silent = ", ".join(
-            str(campaign.path) for campaign, told in zip(campaigns, stated, strict=True) if not told
-        )
-        return (
-            None,
-            None,
-            [f"{silent}: states no noise, so the noise is estimated for all campaigns together"],
-        )
-    sigmas = [_sigma(campaign) for campaign in campaigns]
+        return None, first.noise_sigma, stated
     one_shot = np.concatenate(
         [
-            (sigma * np.sqrt(campaign.shots)[..., None])[campaign.seen].ravel()
-            for sigma, campaign in zip(sigmas, campaigns, strict=True)
+            (_sigma(campaign) * np.sqrt(campaign.shots)[..., None])[campaign.seen].ravel()
+            for campaign, told in zip(campaigns, stated, strict=True)
+            if told
         ]
     )
-    return _spread(sigmas, columns, n_targets, np.nan), float(np.sqrt(np.mean(one_shot**2))), []
+    usual = float(np.sqrt(np.mean(one_shot**2)))
+    sigmas = [
+        _sigma(campaign if told else replace(campaign, noise_sigma=usual))
+        for campaign, told in zip(campaigns, stated, strict=True)
+    ]
+    return _spread(sigmas, columns, n_targets, np.nan), usual, stated
 
 
 def _sigma(campaign: Campaign) -> Array:
