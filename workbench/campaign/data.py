@@ -72,7 +72,8 @@ class Campaign:
     beside            the files of further campaigns that are in it; told: facts that its file does not have,
                       as `--known` takes them
     labels            what several campaigns that are in it are called, as their set-ups begin; silent: of
-                      those that state no noise beside others that do, whose sigma is a guess
+                      those that state no noise beside others that do, whose sigma is a guess;
+                      shown: of such whose sigma is measured
     mounted           the payload that is the tool mounted now, where tools are payloads; "": `tool_mass`
     """
 
@@ -102,6 +103,7 @@ class Campaign:
     told: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
     silent: tuple[str, ...] = ()
+    shown: tuple[str, ...] = ()
     mounted: str = ""
 
     @property

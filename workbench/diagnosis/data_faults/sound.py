@@ -191,4 +191,5 @@ def _with_noise_of(sound: Sound, campaign: Campaign, poses: NDArray[np.int64]) -
         return campaign
     what = f"{label} states no noise: {1e3 * one_shot:.4f} mm per axis of a shot, as it is measured there"
     silent = tuple(one for one in campaign.silent if one != label)
-    return replace(campaign, silent=silent, warnings=(*campaign.warnings, what))
+    warnings = (*campaign.warnings, what)
+    return replace(campaign, silent=silent, shown=(*campaign.shown, label), warnings=warnings)
