@@ -51,8 +51,7 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
     )
     offsets = np.cumsum([0, *(len(campaign.setup_names) for campaign in campaigns[:-1])])
     sigma, noise_sigma, stated = _noise(campaigns, columns, len(targets))
-    first, last = campaigns[0], campaigns[-1]
-    mounted = load_of[-1][last.payload_names.index(last.mounted)]
+    first = campaigns[0]
     return Campaign(
         title=_title(campaigns, labels),
         path=first.path,
@@ -88,7 +87,7 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         told=tuple(dict.fromkeys(fact for campaign in campaigns for fact in campaign.told)),
         labels=tuple(labels),
         silent=tuple(label for label, told in zip(labels, stated, strict=True) if not told and any(stated)),
-        mounted=loads[mounted].name,
+        mounted=loads[_mounted(campaigns, load_of)].name,
     )
 
 
@@ -193,7 +192,18 @@ def _payloads(campaigns: Sequence[Campaign], labels: Sequence[str]) -> tuple[lis
         ]
         for campaign in campaigns
     ]
-    return _merge(groups, labels, lambda load: (load.mass, load.com))
+    return _merge(groups, labels, lambda load: tuple(round(value, 9) for value in (load.mass, *load.com)))
+
+
+def _mounted(campaigns: Sequence[Campaign], load_of: Sequence[IntArray]) -> int:
+    """Number of the payload that is the tool mounted now, 0 where none is: the last campaign's own, or of one
+    that states none that of an earlier which its poses carry."""
+    own = [
+        int(load_of[i][campaign.payload_names.index(campaign.mounted)]) if campaign.mounted else 0
+        for i, campaign in enumerate(campaigns)
+    ]
+    carried = load_of[-1][campaigns[-1].poses.payload]
+    return own[-1] or next((k for k in reversed(own) if k and k in carried), 0)
 
 
 def _merge(
@@ -204,16 +214,22 @@ def _merge(
     for group in groups:
         for thing in group:
             kinds.setdefault(thing.name, set()).add(key(thing))
-    merged: dict[tuple[str, Hashable], int] = {}
+    called: dict[tuple[str, Hashable], str] = {}  # by what it is called in its own campaign
+    merged: dict[str, int] = {}
     things: list[Thing] = []
     indices = []
     for group, label in zip(groups, labels, strict=True):
         for thing in group:
-            if (thing.name, key(thing)) not in merged:
-                merged[thing.name, key(thing)] = len(things)
-                alone = len(kinds[thing.name]) == 1
-                things.append(thing if alone else replace(thing, name=f"{thing.name} ({label})"))
-        indices.append(np.array([merged[thing.name, key(thing)] for thing in group], dtype=np.int64))
+            alone = len(kinds[thing.name]) == 1
+            name = called.get((thing.name, key(thing)), thing.name if alone else f"{thing.name} ({label})")
+            while name in merged and key(things[merged[name]]) != key(thing):
+                name += f" ({label})"
+            called[thing.name, key(thing)] = name
+            if name not in merged:
+                merged[name] = len(things)
+                things.append(replace(thing, name=name))
+        own = [merged[called[thing.name, key(thing)]] for thing in group]
+        indices.append(np.array(own, dtype=np.int64))
     return things, indices
 
 
