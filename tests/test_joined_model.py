@@ -28,7 +28,7 @@ from workbench.diagnosis.prepared import prepare
 from workbench.files.faults import InputError
 from workbench.identification.model_file import as_robot
 from workbench.identification.prediction import posed
-from workbench.measurement.design.prior_information import from_prepared
+from workbench.measurement.design.prior_information import from_prepared, from_robot
 
 TOOLS = (60.0, 90.0)  # kg
 FARTHER = 0.07  # m: the second tool is longer
@@ -122,7 +122,7 @@ def test_a_model_that_is_mounted_with_what_it_does_not_know_is_refused(model, tm
         load_robot(broken)
 
 
-def test_a_plan_mounts_what_goes_with_the_tool_that_is_mounted():
+def test_a_plan_mounts_what_goes_with_the_tool_that_is_mounted(model):
     prior = from_prepared(prepare(campaigns()))
     names = prior.problem.campaign.payload_names
     assert [names[i] for i in prior.mountable] == ["tool (c2)"]
@@ -132,6 +132,9 @@ def test_a_plan_mounts_what_goes_with_the_tool_that_is_mounted():
     assert load[0] == pytest.approx(TOOLS[1] + 10)
     alone = from_prepared(prepare(campaigns()[0]))
     assert alone.mountable.tolist() == [0]
+    by_model = from_robot(load_robot(model))
+    names = by_model.problem.campaign.payload_names
+    assert [names[i] for i in by_model.mountable] == ["tool (c2)"]
 
 
 def test_the_later_part_of_a_set_up_stands_behind_the_earlier():

@@ -240,8 +240,10 @@ def prior_precision(names: Sequence[str]) -> Array:
 def from_robot(robot: Robot, known: Sequence[str] = ()) -> PriorInformation:
     """A robot with the loads of its own TOML, three targets on its flange, and an assumed tracker; known: as
     `--known` says it. Raises InputError where that cannot be."""
-    loads = {name: stated_load(load) for name, load in robot.payloads.items()}
-    blank = planned(robot, np.zeros((1, len(robot.joints))), payloads=loads, tool=stated_load(robot.tool))
+    on, q = robot.mounted, np.zeros((1, len(robot.joints)))
+    loads = {name: stated_load(load) for name, load in robot.payloads.items() if on in ("", name)}
+    blank = planned(robot, q, payloads=loads, payload=[on], tool=stated_load(robot.tool))
+    blank = replace(blank, mounted=on)
     nothing = problem_of(with_known(blank, known))
     given = given_facts(nothing)
     joint = np.array([item.data.repeatability or 0.0 for item in robot.joints])
