@@ -169,8 +169,8 @@ def each_alone(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:
 
 
 def _with_noise_of(sound: Sound, campaign: Campaign, poses: NDArray[np.int64]) -> Campaign:
-    """Several campaigns with the noise of a set-up, that states none, as it shows by itself: by repeats, by
-    distances between targets, or else what geometry leaves, for the time being."""
+    """Several campaigns with the noise of a set-up, that states none, as it shows by itself: by repeats; or
+    else, for the time being, by distances between targets or what geometry leaves."""
     label = campaign.labels[campaign.of_campaign[poses[0]]]
     if label not in campaign.silent or campaign.sigma is None:
         return campaign
@@ -179,8 +179,7 @@ def _with_noise_of(sound: Sound, campaign: Campaign, poses: NDArray[np.int64]) -
         geometry = fit(Model(sound.problem, (), sound.known_effects), sound.start, noise)
         if geometry.point_rows - geometry.rank < FEWEST_DOF:
             return campaign
-        shown = of_distances(geometry)
-        noise, measured = (shown or from_residual(geometry))[0], shown is not None
+        noise = (of_distances(geometry) or from_residual(geometry))[0]
     seen = sound.problem.seen
     one_shot = np.sqrt(np.mean((noise.sigma**2 * sound.problem.campaign.shots)[seen]))
     sigma = campaign.sigma.copy()
