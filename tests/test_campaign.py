@@ -239,7 +239,7 @@ def test_targets_on_base_flange_and_links(tmp_path: Path) -> None:
         campaign = load_campaign(write_example(tmp_path, TOML.replace('on = "link_2"', f'on = "{on}"')))
         assert campaign.targets[1].on == is_on
     (told,) = faults(write_example(tmp_path, TOML.replace('on = "link_2"', 'on = "link2"')))
-    assert told == "campaign.toml: targets.T2.on: tiny has no link 'link2'; did you mean 'link_2'?"
+    assert told == "campaign.toml line 11: targets.T2.on: tiny has no link 'link2'; did you mean 'link_2'?"
 
 
 def test_a_large_campaign_loads(tmp_path: Path) -> None:

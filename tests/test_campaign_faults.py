@@ -164,7 +164,7 @@ def test_faults_of_all_files_at_once(tmp_path: Path) -> None:
     poses = POSES.replace("b,-20", "a,x")
     points = POINTS.replace("600", "nan")
     assert faults(write_example(tmp_path, toml, poses, points)) == [
-        "campaign.toml: targets.T2.on: tiny has no link 'elbow'; "
+        "campaign.toml line 11: targets.T2.on: tiny has no link 'elbow'; "
         "one of ['flange', 'base', 'tool0', 'world_mount', 'link_1', 'link_2', 'link_3']",
         "poses.csv line 3: q1_deg is 'x', not a number; a pose needs all its joints",
         "poses.csv: pose_id 'a' twice, lines 2 and 3; every row is a pose with a name of its own",
@@ -177,7 +177,7 @@ def test_a_wrong_robot_does_not_hide_the_faults_of_the_points(tmp_path: Path) ->
     toml = TOML.replace("robot/tiny.toml", "nobody")
     told = faults(write_example(tmp_path, toml, points=POINTS.replace("600", "x")))
     assert len(told) == 2
-    assert told[0].startswith("campaign.toml: robot = 'nobody': no such robot; known: ")
+    assert told[0].startswith("campaign.toml line 3: robot = 'nobody': no such robot; known: ")
 
 
 SCRAPS = [

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from campaign_example import POSES, TOML, write_example
+from campaign_example import POINTS, POSES, TOML, write_example
 
 from workbench.campaign import join, load_campaign
 from workbench.files.faults import InputError
@@ -67,12 +67,17 @@ def test_two_campaigns_in_one_folder_are_told_apart_by_their_files(tmp_path: Pat
     assert join([load_campaign(path), load_campaign(other)]).setup_names == ("run/campaign", "run/again")
 
 
-def test_join_with_unknown_noise_says_so(tmp_path: Path) -> None:
+def test_join_knows_which_campaigns_state_no_noise(tmp_path: Path) -> None:
+    """The others keep what they state, which is the guess of theirs."""
     one = load_campaign(write_example(tmp_path / "one", TOML + "[noise]\nsigma_mm = 0.1\n"))
     two = load_campaign(write_example(tmp_path / "two"))
     both = join([one, two])
-    assert (both.sigma, both.noise_sigma) == (None, None)
-    assert "two/campaign.toml: states no noise" in both.warnings[-1]
+    assert (both.silent, both.noise_sigma) == (("two",), pytest.approx(1e-4))
+    assert both.sigma is not None
+    assert both.sigma[both.of_label("one")][both.seen[both.of_label("one")]] == pytest.approx(1e-4)
+    assert np.isfinite(both.sigma[both.seen]).all()
+    neither = join([replace(one, noise_sigma=None), two])
+    assert (neither.silent, neither.sigma, neither.noise_sigma) == ((), None, None)
 
 
 def test_join_refuses_what_cannot_be_one(tmp_path: Path) -> None:
@@ -113,3 +118,38 @@ def test_tools_that_differ_are_payloads(tmp_path: Path) -> None:
     ]
     assert moment == pytest.approx(np.concatenate(of_each))
     assert join([one, replace(two, tool_mass=10.0)]).tool_mass == 10.0  # one tool stays one
+
+
+def test_a_follow_up_names_loads_and_targets_as_the_join_did(tmp_path: Path) -> None:
+    """A plan for several campaigns calls them "heavy (two)" and "T1 (two)": that is no third of each."""
+    poses = "pose_id,q1_deg,q2_rad,q3_mm,payload\na,10,0.5,100,heavy\nb,-20,0.25,200,\nc,30,-0.5,0,heavy\n"
+    tool = "[tool]\nmass_kg = {}\ncom_mm = [0.3, 0.7, 80.1]\n"
+    one = load_campaign(write_example(tmp_path / "one", TOML + tool.format(10.0), poses))
+    other = TOML.replace("[100.0, ", "[101.0, ") + tool.format(30.0)
+    two = load_campaign(write_example(tmp_path / "two", other, poses))
+    both = join([one, two])
+    assert both.mounted == "tool (two)"
+    mass, com = both.payloads["tool (two)"]
+    x, y, z = (1e3 * com).tolist()
+    text = TOML.replace("[100.0, ", "[101.0, ").replace("targets.T1", 'targets."T1 (two)"')
+    text += f'[payloads."tool (two)"]\nmass_kg = {mass}\ncom_mm = [{x}, {y}, {z}]\n'
+    planned = poses.replace(",heavy", ",tool (two)")
+    points = POINTS.replace("T1", "T1 (two)")
+    more = load_campaign(write_example(tmp_path / "more", text, planned, points))
+    whole = join([one, two, more])
+    assert len(set(whole.payload_names)) == len(whole.payload_names)
+    assert [target.name for target in whole.targets] == ["T1 (one)", "T2", "T1 (two)"]
+    names = [whole.payload_names[i] for i in whole.poses.payload[whole.of_label("more")]]
+    assert names == ["tool (two)", "", "tool (two)"]
+    assert whole.mounted == "tool (two)"
+
+
+def test_what_is_called_as_another_is_renamed_stays_apart(tmp_path: Path) -> None:
+    one = load_campaign(write_example(tmp_path / "one"))
+    two = load_campaign(write_example(tmp_path / "two", TOML.replace("250.0", "100.0")))
+    text = TOML.replace("payloads.heavy", 'payloads."heavy (two)"').replace("250.0", "7.0")
+    poses = "pose_id,q1_deg,q2_rad,q3_mm,payload\na,10,0.5,100,heavy (two)\nb,-20,0.25,200,\nc,30,-0.5,0,\n"
+    more = load_campaign(write_example(tmp_path / "more", text, poses))
+    whole = join([one, two, more])
+    assert whole.payload_names == ("", "heavy (one)", "heavy (two)", "heavy (two) (more)")
+    assert whole.load_mass.tolist() == [0.0, 250.0, 100.0, 7.0]

@@ -75,7 +75,7 @@ def test_a_load_as_carried_moves_the_arm_as_the_effect_has_it(tmp_path, values):
     for effect in CarriedAnew.sites(whole):
         model = Model(whole, (effect,))
         there = model.predict(replace(model.in_base(), values=(np.array(values),)))
-        was = effect.as_it_was(whole, np.array(values), np.ones(4))
+        was = effect.as_it_was(whole, np.array(values), np.full(4, 1e-7))
         assert was is not None
         known = problem_of(was.campaign)
         assert np.abs(Model(known).predict(Model(known).in_base()) - there).max() < 1e-9
@@ -86,8 +86,34 @@ def test_a_load_as_carried_moves_the_arm_as_the_effect_has_it(tmp_path, values):
 @pytest.mark.parametrize(("kg", "told"), [(-260.0, False), (-251.0, True), (-240.0, True)])
 def test_no_arm_carries_less_than_nothing(tmp_path, kg, told):
     whole = problem_of(join([load_campaign(path) for path in carried(tmp_path, STATED, STATED)]))
-    was = CarriedAnew.sites(whole)[0].as_it_was(whole, np.array([kg, 1.0, 0.0, -1.0]), np.ones(4))
+    moved = np.array([kg, *(kg * whole.campaign.load_com[1])])
+    was = CarriedAnew.sites(whole)[0].as_it_was(whole, moved, np.ones(4))
     assert (was is not None) == told
+
+
+@pytest.mark.parametrize(("kg", "moment", "std"), [(-240.0, 0.0, 1.0), (30.0, 400.0, 2.0)])
+def test_no_load_is_mounted_metres_away(tmp_path, kg, moment, std):
+    """A first moment that only such a load would have is something else."""
+    whole = problem_of(join([load_campaign(path) for path in carried(tmp_path, STATED, STATED)]))
+    values = np.array([kg, moment, 0.0, 0.0])
+    assert CarriedAnew.sites(whole)[0].as_it_was(whole, values, np.full(4, std)) is None
+
+
+@pytest.mark.parametrize(("std", "said"), [(2.0, True), (300.0, False)])
+def test_a_centre_that_the_data_do_not_show_stays_where_it_is_stated(tmp_path, std, said):
+    whole = problem_of(join([load_campaign(path) for path in carried(tmp_path, STATED, STATED)]))
+    stated = whole.campaign.load_com[1]
+    kg = 60.0
+    moved = np.array([kg, *(kg * stated + [90.0, -60.0, 30.0])])  # 0.29, 0.19, 0.1 m away
+    was = CarriedAnew.sites(whole)[0].as_it_was(whole, moved, np.array([5.0, std, std, std]))
+    ((_, what),) = was.said
+    assert what.startswith("the arm carries 310 kg (± 5 kg)")
+    assert ("centred" in what) == said
+    away = was.campaign.load_com[-1] - stated
+    if said:
+        assert away == pytest.approx([90 / 310, -60 / 310, 30 / 310], rel=0.01)
+    else:
+        assert np.linalg.norm(away) < 0.01
 
 
 def test_an_arm_that_carries_nothing_as_stated_is_as_stated(tmp_path):

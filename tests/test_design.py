@@ -339,7 +339,7 @@ def test_the_command_refuses(tmp_path, capsys):
         ([str(tmp_path / "no.toml")], "no such file"),
         ([str(tmp_path)], "neither a TOML file nor a robot"),
         ([str(tmp_path / "broken.toml")], "is not TOML"),
-        (["kr500", "--out", str(tmp_path / "poses.txt")], "ends in .txt; CSV ends in .csv"),
+        (["kr500", "--out", str(tmp_path / "poses.src")], "ends in .src; CSV ends in .csv"),
         (["kr500", "--poses", "0"], "give a number of poses"),
         (["kr500", "--poses", "1000000000"], "asks for 1000000000 poses"),
         (["kr500", "--minutes", "1e6"], "10000 are the most"),

@@ -23,6 +23,7 @@ from workbench.correction.programs import (
     write_program,
 )
 from workbench.correction.programs.base import Array, legs_of
+from workbench.correction.programs.files import is_folder
 from workbench.correction.programs.urscript import UrScript
 from workbench.files.faults import InputError
 from workbench.robot import rotations
@@ -375,3 +376,13 @@ def test_a_path_that_stops_everywhere_is_told() -> None:
     assert any("stops at every point" in text for text in find_format("krl").warnings(path(blend=0.0)))
     assert not any("stops at every point" in text for text in find_format("krl").warnings(path()))
     assert legs_of(path()).blend.max() <= 0.4 * legs_of(path()).distance.max()
+
+
+def test_a_table_may_end_as_it_likes_but_not_as_a_program():
+    csv = find_format("csv")
+    for name in ("x.csv", "x.txt", "x.tsv"):
+        assert not is_folder(Path(name), csv)
+    with pytest.raises(InputError, match=r"ends in \.src; CSV ends in \.csv.* or say --format krl"):
+        is_folder(Path("x.src"), csv)
+    with pytest.raises(InputError, match=r"ends in \.txt; KUKA KRL ends in \.src"):
+        is_folder(Path("x.txt"), find_format("krl"))

@@ -36,6 +36,16 @@ TOOL = "tool"
 SAME = 1e-6  # m, and share of a mass: to which a tool is the same one
 
 
+def after(setup: str) -> str:
+    """How the name begins that the later part of a set-up has."""
+    return f"{setup or 'setup'} after pose "
+
+
+def begins(setup: str, label: str) -> bool:
+    """Whether a set-up is of the campaign with that label; of a campaign without one it is."""
+    return not label or setup == label or setup.startswith((f"{label}/", after(label)))
+
+
 @dataclass(frozen=True, eq=False)
 class Campaign:
     """Measured or simulated data of one robot. N poses, n joints, T targets, P payloads.
@@ -61,6 +71,10 @@ class Campaign:
     cell              what stands around the robot, for plans
     beside            the files of further campaigns that are in it; told: facts that its file does not have,
                       as `--known` takes them
+    labels            what several campaigns that are in it are called, as their set-ups begin; silent: of
+                      those that state no noise beside others that do, whose sigma is a guess;
+                      shown: of such whose sigma is measured
+    mounted           the payload that is the tool mounted now, where tools are payloads; "": `tool_mass`
     """
 
     title: str
@@ -87,6 +101,10 @@ class Campaign:
     cell: CellData = field(default_factory=CellData)
     beside: tuple[Path, ...] = ()
     told: tuple[str, ...] = ()
+    labels: tuple[str, ...] = ()
+    silent: tuple[str, ...] = ()
+    shown: tuple[str, ...] = ()
+    mounted: str = ""
 
     @property
     def arguments(self) -> str:
@@ -171,6 +189,25 @@ class Campaign:
         from .arrays import campaign_from
 
         return campaign_from(robot, q, points, sigma, sections, title)
+
+    @property
+    def of_campaign(self) -> IntArray:
+        """(N,) number of the campaign that each pose is of, where several are in it."""
+        labels, of = self.labels or ("",), []
+        for name in self.setup_names:
+            own = [k for k, label in enumerate(labels) if begins(name, label)]
+            of.append(max(own, key=lambda k: len(labels[k]), default=0))
+        return np.array(of, dtype=np.int64)[self.poses.setup]
+
+    @property
+    def of_silent(self) -> dict[str, NDArray[np.bool_]]:
+        """Of each campaign that states no noise beside others that do (N,) which poses are of it."""
+        each = {label: self.of_label(label) for label in self.silent}
+        return {label: here for label, here in each.items() if here.any()}
+
+    def of_label(self, label: str) -> NDArray[np.bool_]:
+        """(N,) whether each pose is of the campaign of that label."""
+        return np.asarray(self.of_campaign == self.labels.index(label))
 
     @property
     def n_poses(self) -> int:

@@ -12,7 +12,7 @@ from ..files.faults import Fault, InputError
 from ..files.tables import Column, ColumnPlace, Layout
 from ..files.toml import read_toml, toml_key
 from ..robot.description import Joint, Robot
-from ..robot.schema import LoadData, toml_faults
+from ..robot.schema import EXAMPLES, LoadData, toml_faults
 from .cell import CellData, DrivingData, InstrumentData, ObstacleData
 from .exports import EXPORTS, PROGRAM_EXPORTS
 from .known import KnownData, Name
@@ -154,13 +154,12 @@ def read_campaign_file(path: Path) -> CampaignFile:
     return file
 
 
-_EXAMPLES = {
+_EXAMPLES = EXAMPLES | {
     "schema": "schema = 1",
     "robot": 'robot = "kr500", or the path of a robot TOML',
     "poses": '[poses] with file = "poses.csv"',
     "points": '[points] with file = "points.csv"',
     "file": 'file = "poses.csv", say',
-    "mass_kg": "mass_kg = 60.0, say",
 }
 
 

@@ -61,6 +61,7 @@ class Guessed:
     header: list[str] = field(default_factory=list)
     why: str = ""
     targets: list[str] = field(default_factory=list)  # of a table of points, by name
+    payloads: list[str] = field(default_factory=list)  # of a table of joints, in its column `payload`
 
 
 def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
@@ -75,6 +76,9 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
         return Guessed(lacking=[f"joint {i}" for i in range(1, len(joints) + 1)], why=why)
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
+    if "payload" in text.header:
+        carried = text.columns[text.header.index("payload")]
+        found.payloads = [name for name in dict.fromkeys(carried) if name]
     numbers = _joint_columns(text, joints)
     identity = _first(text, POSE, set(numbers.values()))
     return _of_joints(text, found, joints, numbers, identity)

@@ -50,7 +50,7 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         for name in campaign.setup_names
     )
     offsets = np.cumsum([0, *(len(campaign.setup_names) for campaign in campaigns[:-1])])
-    sigma, noise_sigma, warnings = _noise(campaigns, columns, len(targets))
+    sigma, noise_sigma, stated = _noise(campaigns, columns, len(targets))
     first = campaigns[0]
     return Campaign(
         title=_title(campaigns, labels),
@@ -79,12 +79,15 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         shot_scatter=(sum(c.shot_scatter[0] for c in campaigns), sum(c.shot_scatter[1] for c in campaigns)),
         noise_sigma=noise_sigma,
         six_dof=first.six_dof,
-        warnings=(*(line for campaign in campaigns for line in campaign.warnings), *tools, *warnings),
+        warnings=(*(line for campaign in campaigns for line in campaign.warnings), *tools),
         files=_files(campaigns, labels),
         cell=first.cell,
         known=reduce(KnownData.and_more, (campaign.known for campaign in campaigns)),
         beside=tuple(path for c in campaigns for path in (c.path, *c.beside))[1:],
         told=tuple(dict.fromkeys(fact for campaign in campaigns for fact in campaign.told)),
+        labels=tuple(labels),
+        silent=tuple(label for label, told in zip(labels, stated, strict=True) if not told and any(stated)),
+        mounted=loads[_mounted(campaigns, load_of)].name,
     )
 
 
@@ -189,7 +192,18 @@ def _payloads(campaigns: Sequence[Campaign], labels: Sequence[str]) -> tuple[lis
         ]
         for campaign in campaigns
     ]
-    return _merge(groups, labels, lambda load: (load.mass, load.com))
+    return _merge(groups, labels, lambda load: tuple(round(value, 9) for value in (load.mass, *load.com)))
+
+
+def _mounted(campaigns: Sequence[Campaign], load_of: Sequence[IntArray]) -> int:
+    """Number of the payload that is the tool mounted now, 0 where none is: the last campaign's own, or of one
+    that states none that of an earlier which its poses carry."""
+    own = [
+        int(load_of[i][campaign.payload_names.index(campaign.mounted)]) if campaign.mounted else 0
+        for i, campaign in enumerate(campaigns)
+    ]
+    carried = load_of[-1][campaigns[-1].poses.payload]
+    return own[-1] or next((k for k in reversed(own) if k and k in carried), 0)
 
 
 def _merge(
@@ -200,16 +214,22 @@ def _merge(
     for group in groups:
         for thing in group:
             kinds.setdefault(thing.name, set()).add(key(thing))
-    merged: dict[tuple[str, Hashable], int] = {}
+    called: dict[tuple[str, Hashable], str] = {}  # by what it is called in its own campaign
+    merged: dict[str, int] = {}
     things: list[Thing] = []
     indices = []
     for group, label in zip(groups, labels, strict=True):
         for thing in group:
-            if (thing.name, key(thing)) not in merged:
-                merged[thing.name, key(thing)] = len(things)
-                alone = len(kinds[thing.name]) == 1
-                things.append(thing if alone else replace(thing, name=f"{thing.name} ({label})"))
-        indices.append(np.array([merged[thing.name, key(thing)] for thing in group], dtype=np.int64))
+            alone = len(kinds[thing.name]) == 1
+            name = called.get((thing.name, key(thing)), thing.name if alone else f"{thing.name} ({label})")
+            while name in merged and key(things[merged[name]]) != key(thing):
+                name += f" ({label})"
+            called[thing.name, key(thing)] = name
+            if name not in merged:
+                merged[name] = len(things)
+                things.append(replace(thing, name=name))
+        own = [merged[called[thing.name, key(thing)]] for thing in group]
+        indices.append(np.array(own, dtype=np.int64))
     return things, indices
 
 
@@ -225,29 +245,26 @@ def _spread(arrays: Sequence[Array], columns: Sequence[IntArray], n_targets: int
 
 def _noise(
     campaigns: Sequence[Campaign], columns: Sequence[IntArray], n_targets: int
-) -> tuple[Array | None, float | None, list[str]]:
-    """Sigma per point, sigma of one shot, warnings. One unknown noise makes the noise of all unknown."""
+) -> tuple[Array | None, float | None, list[bool]]:
+    """Sigma per point, sigma of one shot, and which campaigns state a noise: that of the others, as far as
+    there are any, is a guess by what these state."""
     first = campaigns[0]
     stated = [campaign.sigma is not None or campaign.noise_sigma is not None for campaign in campaigns]
     if all(campaign.sigma is None and campaign.noise_sigma == first.noise_sigma for campaign in campaigns):
-        return None, first.noise_sigma, []
-    if not all(stated):
-        silent = ", ".join(
-            str(campaign.path) for campaign, told in zip(campaigns, stated, strict=True) if not told
-        )
-        return (
-            None,
-            None,
-            [f"{silent}: states no noise, so the noise is estimated for all campaigns together"],
-        )
-    sigmas = [_sigma(campaign) for campaign in campaigns]
+        return None, first.noise_sigma, stated
     one_shot = np.concatenate(
         [
-            (sigma * np.sqrt(campaign.shots)[..., None])[campaign.seen].ravel()
-            for sigma, campaign in zip(sigmas, campaigns, strict=True)
+            (_sigma(campaign) * np.sqrt(campaign.shots)[..., None])[campaign.seen].ravel()
+            for campaign, told in zip(campaigns, stated, strict=True)
+            if told
         ]
     )
-    return _spread(sigmas, columns, n_targets, np.nan), float(np.sqrt(np.mean(one_shot**2))), []
+    usual = float(np.sqrt(np.mean(one_shot**2)))
+    sigmas = [
+        _sigma(campaign if told else replace(campaign, noise_sigma=usual))
+        for campaign, told in zip(campaigns, stated, strict=True)
+    ]
+    return _spread(sigmas, columns, n_targets, np.nan), usual, stated
 
 
 def _sigma(campaign: Campaign) -> Array:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..files.faults import Fault, InputError, read_text
 from ..files.tables import Layout, Table, parse_table, read_table, suggest
+from ..files.toml_place import with_lines
 from ..robot.description import Robot, load_robot
 from ..robot.find import find_robot, list_robots
 from .assemble import assemble, some
@@ -37,6 +38,14 @@ def load_campaign(path: str | Path) -> Campaign:
     ((12, 3), (12, 3, 3), 2e-05)
     """
     path = campaign_file(path)
+    try:
+        return _loaded(path)
+    except InputError as error:
+        raise InputError(with_lines(error.faults, path)) from None
+
+
+def _loaded(path: Path) -> Campaign:
+    """The campaign of a campaign.toml. Raises `InputError`, its faults without lines in that file."""
     file = read_campaign_file(path)
     points = read_points(path.parent / file.points.file, file, f"{path}: points")
     faults = [*points.faults, *check_points(points, file.noise.sigma_mm is not None)]

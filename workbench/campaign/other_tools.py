@@ -42,7 +42,8 @@ def tool_as_in(loads: Mapping[str, Load], c: Campaign) -> Campaign:
     if names[1] is None:
         return c
     kept = zip(names, own.payload_names, strict=True)
-    return replace(own, payload_names=tuple(name or other for name, other in kept))
+    payload_names = tuple(name or other for name, other in kept)
+    return replace(own, payload_names=payload_names, mounted=payload_names[1])
 
 
 def tool_as_modelled(robot: Robot, c: Campaign) -> Campaign:
@@ -69,4 +70,5 @@ def _as_load(c: Campaign) -> Campaign:
         tool_mass=0.0,
         tool_com=np.zeros(3),
         poses=replace(c.poses, payload=c.poses.payload + 1),
+        mounted=c.tool_name,
     )

@@ -52,8 +52,12 @@ def load(text: str, place: str) -> Load:
 
 def with_payloads(campaign: Campaign, payloads: Mapping[str, tuple[float, Sequence[float]]]) -> Campaign:
     """The campaign with further payloads: name → mass [kg] and centre of mass [m, flange frame], that no pose
-    carries yet. Raises InputError where it has another of that name."""
+    carries yet; where tools are payloads, beside the tool that is mounted. Raises InputError where it has
+    another of that name."""
+    tool, at = campaign.payloads.get(campaign.mounted, (0.0, np.zeros(3)))
     for name, (mass, com) in payloads.items():
+        if tool and mass:
+            mass, com = mass + tool, ((mass * np.array(com) + tool * at) / (mass + tool)).tolist()
         if name in campaign.payload_names:
             i = campaign.payload_names.index(name)
             if campaign.load_mass[i] != mass or tuple(campaign.load_com[i]) != tuple(com):

@@ -32,7 +32,7 @@ def template_files(
     misfit: [m] of points (N, 3) [m] and the robot at joints (N, n) [rad, m], where both are in one table.
     """
     joints = robot.chain.joints
-    both = None
+    both, carried = None, list[str]()
     if poses is not None and points is not None and poses.resolve() == points.resolve():
         both = guess_both(poses, joints, misfit)
     columns = [f"q{i}_{'deg' if joint.kind == 'revolute' else 'mm'}" for i, joint in enumerate(joints, 1)]
@@ -45,7 +45,8 @@ def template_files(
             other="rad" if joints[0].kind == "revolute" else "m",
         )
     else:
-        told = _section(poses, folder, both[0] if both else guess_poses(poses, joints))
+        joints_told = both[0] if both else guess_poses(poses, joints)
+        told, carried = _section(poses, folder, joints_told), joints_told.payloads
     if points is None:
         files[Path("points.csv")] = POINTS
         seen, targets = _POINTS, ["T1"]
@@ -53,9 +54,8 @@ def template_files(
         guessed = both[1] if both else guess_points(points)
         seen, targets = _section(points, folder, guessed), guessed.targets or ["T1"]
     names = ", ".join(joint.name for joint in joints)
-    files[Path("campaign.toml")] = _TOML.format(
-        robot=robot.name, joints=names, poses=told, points=seen, targets=_targets(targets)
-    )
+    filled = {"poses": told, "points": seen, "targets": _targets(targets), "payloads": _payloads(carried)}
+    files[Path("campaign.toml")] = _TOML.format(robot=robot.name, joints=names, **filled)
     return files
 
 
@@ -66,6 +66,19 @@ def _targets(names: Sequence[str]) -> str:
         for name in (names if len(names) <= MOST_TARGETS else names[:1])
     ]
     told[0] += "      # about where it sits in the flange's frame; absent = unknown"
+    return "\n".join(told)
+
+
+def _payloads(names: Sequence[str]) -> str:
+    """A place to fill in for each payload that the poses name, declared so that the campaign can be read."""
+    if not names:
+        return _PAYLOAD
+    told = [f"{LACKING}what {', '.join(names)} weigh{'s' * (len(names) == 1)}: 0 kg until you say it here"]
+    told += [
+        f"[payloads.{toml_key(name)}]\nmass_kg = 0.0                   # TODO\n"
+        "com_mm  = [0.0, 0.0, 0.0]       # TODO, in the flange's frame"
+        for name in names
+    ]
     return "\n".join(told)
 
 
@@ -116,10 +129,13 @@ robot  = "{robot}.toml"
 # mass_kg = 5.0
 # com_mm  = [0.0, 0.0, 50.0]      # in the flange's frame
 
+{payloads}
+"""
+
+_PAYLOAD = """\
 # [payloads.heavy]                # named in the column `payload` of the poses
 # mass_kg = 20.0
-# com_mm  = [0.0, 0.0, 150.0]
-"""
+# com_mm  = [0.0, 0.0, 150.0]"""
 
 _POSES = """\
 file = "poses.csv"

@@ -271,5 +271,6 @@ def conditions(model: str, payload: str, campaign: Campaign | None, told: bool =
         return conditions_of(mounted, payload)
     if told and robot.payloads and not payload:
         known = ", ".join(robot.payloads)
-        progress(f"the arm is taken to carry no payload; the model knows {known} (--payload NAME)")
+        taken = f"{robot.mounted}, the tool mounted last" if robot.mounted else "no payload"
+        progress(f"the arm is taken to carry {taken}; the model knows {known} (--payload NAME)")
     return stated_conditions(robot, payload)

@@ -102,6 +102,10 @@ def run(arguments: argparse.Namespace) -> None:
     robot = load_robot(arguments.robot)
     rng = np.random.default_rng([arguments.seed, 11])
     poses, loads = _told(arguments, robot, rng)
+    if robot.mounted and not arguments.tool:
+        loads = loads | {robot.mounted: stated_load(robot.payloads[robot.mounted])}
+        carried = poses.payload or [""] * len(poses.q)
+        poses = replace(poses, payload=[name or robot.mounted for name in carried])
     plan = planned(
         robot,
         poses.q,

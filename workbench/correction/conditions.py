@@ -59,10 +59,12 @@ def conditions_of(campaign: Campaign, payload: str = "") -> Conditions:
 
 
 def stated_conditions(robot: Robot, payload: str = "") -> Conditions:
-    """The tool and the named payload ("": none) as the robot's own TOML states them (a model.toml).
+    """The tool and the named payload ("": none) as the robot's own TOML states them (a model.toml); without a
+    name, where tools are payloads, the one that is mounted.
 
     Raises `InputError` with the names that there are, when it has no such payload.
     """
+    payload = payload or robot.mounted
     if payload and payload not in robot.payloads:
         known = ", ".join(robot.payloads) or "none"
         mend = f"known: {known}; or name the campaign that states it"

@@ -157,14 +157,18 @@ def _carrying(
     tool of the model; a remark where that is something else. Raises `InputError` where it says several."""
     loads = [frames.load(move.load) for move in moves if move.load is not None]
     every = [load for i, load in enumerate(loads) if not any(alike(load, other) for other in loads[:i])]
-    if not every and robot.payloads and not conditions.payload:
+    unnamed, tool = conditions.payload == robot.mounted, conditions.tool_mass
+    if robot.mounted and unnamed:
+        tool += conditions.payload_mass
+    if not every and robot.payloads and unnamed:
         known = ", ".join(robot.payloads)
-        return conditions, [f"taken to carry no payload; the model knows {known} (--payload NAME)"]
+        taken = robot.mounted or "no payload"
+        return conditions, [f"taken to carry {taken}; the model knows {known} (--payload NAME)"]
     if not every or (len(every) == 1 and alike(every[0], carried(conditions))):
         return conditions, []
     said = ", then ".join(_weighs(load) for load in every)
-    if conditions.payload or max(load.mass_kg for load in every) < conditions.tool_mass:
-        taken = f"payload {conditions.payload!r}" if conditions.payload else "the tool of the model"
+    if not unnamed or max(load.mass_kg for load in every) < tool:
+        taken = "the tool of the model" if unnamed else f"payload {conditions.payload!r}"
         return conditions, [f"the program says that the arm carries {said}; taken: {taken}"]
     if len(every) > 1:
         what = f"the program says that the arm carries {said}"
@@ -176,7 +180,7 @@ def _carrying(
             return named, [f"the arm carries {name!r}, as the program says ({said})"]
     (load,) = every
     com = [1e-3 * value for value in load.com_mm]
-    return replace(conditions, tool_mass=load.mass_kg, tool_com=com), [
+    return replace(conditions, payload="", payload_mass=0.0, tool_mass=load.mass_kg, tool_com=com), [
         f"the arm carries {said}: the program says so"
     ]
 

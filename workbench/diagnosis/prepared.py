@@ -22,22 +22,24 @@ from ..effects.records import stated_effects
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
-from ..identification.noise import Covariance
+from ..identification.noise import LEAST, Covariance
 from ..identification.plausible import common_factor, enough_poses, plausible_geometry, too_few_alone
 from ..identification.set_up import fit_set_up
 from ..robot.kinematics import Array
 from .data_faults.copies import without_copies
 from .data_faults.moved_setup import Step, split_setup
 from .data_faults.rounded_joints import shared_rounding
-from .data_faults.sound import Enough, Sound, measured_only, noise_at, where_each_moved, without_faults
+from .data_faults.sound import Enough, Sound, each_alone, measured_only, noise_at, without_faults
 from .data_faults.wild_points import Acting, Cleaned, least_sigma
 from .noise.coarse import coarseness
-from .noise.noise_choice import from_residual, of_distances, rigid_targets
+from .noise.noise_choice import SILENT, as_left, from_residual, of_distances, rigid_targets, said_of_silent
 from .noise.six_dof import of_repeats, of_turns, turn_rad
 from .noise.torque_noise import torque_noise
 from .result import FaultFound, Noise
 from .weighing.replication import enough_for_halves
 
+ALIKE = 0.05  # of a noise: by less it is as it was taken for
+ROUNDS = 3  # times a noise is taken from a fit under the one before
 TURNS = "Turns of the 6-D measurement scatter"
 MOST_POSES = 4000  # that a fit is made on: more say hardly more, and take room and time
 
@@ -71,7 +73,7 @@ class Prepared:
 
     @property
     def least(self) -> Array:
-        """(T,) [m] one sigma per axis that a point has in any case."""
+        """(N, T) [m] one sigma per axis that a point has in any case."""
         return least_sigma(self.problem, self.covariance if self.noise_known else None)
 
     def with_noise_of(self, result: Fit) -> Prepared:
@@ -95,6 +97,23 @@ class Prepared:
         before = [note for note in self.notes if not note.startswith(TURNS)]
         note = f"{TURNS} by {turn}: that is used, none is stated."
         return replace(self._under(covariance), notes=(*before, note))
+
+    def with_silent(self, result: Fit) -> Prepared | None:
+        """The same with the noise that a better fit leaves in campaigns that state none beside others that
+        do; None where that is as it was taken for, or nobody knows any noise."""
+        silent = self.problem.campaign.of_silent.values() if self.noise_known else ()
+        covariance = self.covariance
+        for _ in range(ROUNDS if silent else 0):
+            result = _under(result, covariance)
+            sigma = covariance.sigma.copy()
+            for here in silent:
+                sigma[here] *= as_left(result, here)
+            covariance = replace(covariance, sigma=np.maximum(sigma, LEAST))
+        if np.allclose(covariance.sigma, self.covariance.sigma, rtol=ALIKE, atol=0.0):
+            return None
+        before = [note for note in self.notes if not note.startswith(SILENT)]
+        notes = (*before, *said_of_silent(self.problem, covariance))
+        return replace(self._under(covariance), notes=notes)
 
     def with_distances(self, result: Fit) -> Prepared | None:
         """The same with the noise that distances between targets show, where nobody stated one and a better
@@ -195,7 +214,7 @@ def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepare
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
     if campaign.beside:
-        campaign, moved = where_each_moved(campaign)
+        campaign, moved = each_alone(campaign)
         read, faults = problem(campaign), (*faults, *moved)
     try:
         sound = without_faults(read, tuple(stated_effects(read)), enough)
@@ -235,6 +254,7 @@ def _fitted(sound: Sound) -> Prepared:
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit_set_up(model, as_stated, covariance)
     said = (*rigid_targets(geometry), *calibrated.remarks(problem), *common_factor(geometry))
+    said = (*said, *said_of_silent(problem, covariance))
     notes = (*sound.notes, *said, *_coarse(coarse))
     return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)
 

@@ -187,6 +187,23 @@ class Noise:
 
 
 @dataclass(frozen=True)
+class OfCampaign:
+    """One of several campaigns that are fitted as one robot: what it is called, RMS errors of its points in
+    mm, 3-D norms, which the models were fitted on, and the noise that was used there, mm per axis.
+    of_model: whose tool, zeros and scale the model has."""
+
+    label: str
+    n_poses: int
+    n_points: int
+    noise_mm: float
+    noise_source: Literal["stated", "repeats", "residual"]
+    nominal_mm: float
+    geometry_mm: float
+    after_mm: float
+    of_model: bool
+
+
+@dataclass(frozen=True)
 class TestFigures:
     """Errors on the campaign of --test, in mm, 3-D norms; without its data faults, `all_`: with them.
 
@@ -271,6 +288,7 @@ class Diagnosis:
     geometry: tuple[Parameter, ...] = ()
     unidentifiable: tuple[str, ...] = ()
     facts: Mapping[str, str] = field(default_factory=dict)
+    campaigns: tuple[OfCampaign, ...] = ()
     errors: PoseErrors | None = None
     joints: tuple[str, ...] = ()
     q: Array | None = None

@@ -8,7 +8,17 @@ import numpy as np
 
 if TYPE_CHECKING:
     from ..effects.place import Parameter
-    from .result import Decision, Diagnosis, FaultFound, Finding, GivenFact, Rival, Stage, TestFigures
+    from .result import (
+        Decision,
+        Diagnosis,
+        FaultFound,
+        Finding,
+        GivenFact,
+        OfCampaign,
+        Rival,
+        Stage,
+        TestFigures,
+    )
 
 
 def result_json(result: Diagnosis) -> dict[str, Any]:
@@ -42,6 +52,7 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
         "bounds_mm": _bounds(result.bounds_mm),
         "notes": list(result.notes),
         "given": [_given(fact) for fact in result.given],
+        **({"campaigns": [_of_campaign(one) for one in result.campaigns]} if result.campaigns else {}),
         "inputs": dict(result.inputs),
         "version": result.version,
     }
@@ -66,6 +77,19 @@ def _stage(stage: Stage) -> dict[str, Any]:
         "heldout_max_mm": _number(stage.heldout_max_mm),
         "fit_rms_mm": _number(stage.fit_rms_mm),
         **({"note": stage.note} if stage.note else {}),
+    }
+
+
+def _of_campaign(one: OfCampaign) -> dict[str, Any]:
+    return {
+        "campaign": one.label,
+        "n_poses": one.n_poses,
+        "n_points": one.n_points,
+        "noise": {"sigma_mm": _number(one.noise_mm), "source": one.noise_source},
+        "nominal_rms_mm": _number(one.nominal_mm),
+        "geometry_rms_mm": _number(one.geometry_mm),
+        "after_rms_mm": _number(one.after_mm),
+        "of_model": one.of_model,
     }
 
 

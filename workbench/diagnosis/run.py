@@ -129,7 +129,8 @@ def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tupl
     """The causes that explain the data, and the noise that they leave where there was none."""
     selection = compete(prepared, candidates)
     for _ in range(NOISES):
-        finer = prepared.with_turns_of(selection.fit) or prepared.with_distances(selection.fit)
+        fit = selection.fit
+        finer = prepared.with_turns_of(fit) or prepared.with_distances(fit) or prepared.with_silent(fit)
         if finer is None:
             break
         prepared, selection = finer, compete(finer, candidates)

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel
 
+from .faults import Fault, InputError, read_text
+
 Place = tuple[str | int, ...]  # keys, and numbers of tables in an array of them, as pydantic says them
 
 HEAD = re.compile(r"""(\[\[?)([^\[\],]+)\]\]?\s*(?:#.*)?$""")
+DOTTED = re.compile(r"""(?:"[^"]*"|'[^']*'|[\w-]+)(?:\.(?:"[^"]*"|'[^']*'|[\w-]+))*""")
 PART = re.compile(r""""([^"]*)"|'([^']*)'|([\w-]+)""")
 
 
@@ -26,6 +32,36 @@ def line_of(place: Place, lines: Mapping[Place, int]) -> int | None:
     """The line of a place among `places`, or of the nearest table around it; None: none says it."""
     around = (place[:depth] for depth in range(len(place), 0, -1))
     return next((lines[one] for one in around if one in lines), None)
+
+
+def with_lines(faults: Sequence[Fault], path: Path) -> list[Fault]:
+    """Faults `PATH: KEY ...` of a TOML that were found behind its schema, with the line of the key, or of the
+    nearest table around it. A table in an array goes by its `name`."""
+    begin, out = f"{path}: ", list[Fault]()
+    try:
+        lines, content = places(text := read_text(path)), tomllib.loads(text)
+    except (InputError, tomllib.TOMLDecodeError):
+        return list(faults)
+    for fault in faults:
+        key = fault.place.removeprefix(begin)
+        said = DOTTED.match(key) if key != fault.place else None
+        line = line_of(_place_of(_parts(said[0]), content), lines) if said else None
+        out.append(replace(fault, place=f"{path} line {line}: {key}") if line else fault)
+    return out
+
+
+def _place_of(keys: Sequence[str], content: Any) -> Place:
+    """Keys as a place: of an array the number of the table that has the next key for a name."""
+    place: Place = ()
+    for key in keys:
+        if isinstance(content, list):
+            names = [one.get("name") if isinstance(one, dict) else None for one in content]
+            if key not in names:
+                break
+            place, content = (*place, names.index(key)), content[names.index(key)]
+        else:
+            place, content = (*place, key), content.get(key) if isinstance(content, dict) else None
+    return place
 
 
 def _lines(text: str) -> Iterator[tuple[int, Place]]:

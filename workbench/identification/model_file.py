@@ -60,6 +60,8 @@ def model_files(path: Path, robot: Robot, geometry: Array, effects: Sequence[Eff
         table["controller"] = controller
     if robot.source:
         table["source"] = robot.source
+    if robot.mounted:
+        table["mounted"] = robot.mounted
     if robot.tool is not None:
         table["tool"] = _given(robot.tool.model_dump())
     if robot.payloads:
@@ -133,7 +135,7 @@ def loaded(robot: Robot, campaign: Campaign) -> Robot:
     """The robot with the tool and payloads of a campaign, beside payloads of its own by other names."""
     tool = _load(campaign.tool_mass, campaign.tool_com) if campaign.tool_mass > 0 else None
     payloads = {name: _load(*load) for name, load in campaign.payloads.items()}
-    return replace(robot, tool=tool, payloads={**robot.payloads, **payloads})
+    return replace(robot, tool=tool, payloads={**robot.payloads, **payloads}, mounted=campaign.mounted)
 
 
 def _load(mass: float, com: Array) -> LoadData:

@@ -116,8 +116,15 @@ class Expected:
         ]
 
     @property
+    def of_tool(self) -> str:
+        """Whose tool that is, of a model of several campaigns; "" of one."""
+        data = required_uncertainty(self.robot)
+        names = ", ".join(point.name for point in data.points)
+        return f"The points are those of the tool of {data.campaign}: {names}." if data.campaign else ""
+
+    @property
     def notes(self) -> list[str]:
-        return [*self.errors.notes, *self.beyond_limits]
+        return [*filter(None, [self.of_tool]), *self.errors.notes, *self.beyond_limits]
 
     @property
     def outside(self) -> list[str]:
@@ -141,6 +148,7 @@ class Expected:
             [
                 *filter(None, (self.scope, f"{self.headline}.", self.turned, self.kept)),
                 *self.outside,
+                *filter(None, [self.of_tool]),
                 *self.errors.notes,
             ]
         )

@@ -68,6 +68,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         )
         lines += [f"    {note}" for note in t.notes]
         lines += [f"    {line}" for line in fault_lines(t.faults, "data fault of the test")]
+    lines += _each_campaign(diagnosis)
     for finding in diagnosis.causes:
         sentence = finding.sentence or finding.structure or ""
         where = place_of(finding)
@@ -99,6 +100,17 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             f"  page: {folder}/index.html   report: {folder}/report.pdf   model: {folder}/model.toml",
         ]
     return "\n".join(lines)
+
+
+def _each_campaign(diagnosis: Diagnosis) -> list[str]:
+    """A line for each of several campaigns."""
+    wide = max((len(one.label) for one in diagnosis.campaigns), default=0)
+    return [
+        f"  {one.label:<{wide}}  {one.n_poses} poses   noise {mm(one.noise_mm)}   fitted, mm RMS "
+        f"{diagnosis.start.removesuffix(' model')} {mm(one.nominal_mm)}   geometry {mm(one.geometry_mm)}   "
+        f"in the end {mm(one.after_mm)}{'   the model is of this one' * one.of_model}"
+        for one in diagnosis.campaigns
+    ]
 
 
 def _steps(diagnosis: Diagnosis) -> list[str]:

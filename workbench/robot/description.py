@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files.faults import Fault, InputError
+from ..files.toml_place import with_lines
 from .chain import MovingJoint, read_chain
 from .convention import Controller, Convention, convention_of
 from .find import find_robot
@@ -61,6 +62,7 @@ class Robot:
     source: dict[str, Any] = field(default_factory=dict)
     tool: LoadData | None = None
     payloads: dict[str, LoadData] = field(default_factory=dict)
+    mounted: str = ""
     geometry: dict[str, dict[str, float]] = field(default_factory=dict)
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
@@ -143,7 +145,7 @@ def load_robot(robot: str | Path) -> Robot:
     sliding = [moving.kind == "prismatic" for moving in chain]
     faults += file.controller.faults(f"{path}: controller", names, sliding)
     if faults:
-        raise InputError(faults)
+        raise InputError(with_lines(faults, path))
     return Robot(
         name=file.name,
         title=file.title or file.name,
@@ -162,6 +164,7 @@ def load_robot(robot: str | Path) -> Robot:
         source=file.source,
         tool=file.tool,
         payloads=file.payloads,
+        mounted=file.mounted,
         geometry=file.geometry,
         effects=file.effects,
         path=path,

@@ -188,6 +188,9 @@ class RobotFile(_Table):
     """in a model.toml: what the campaign behind it carried"""
     payloads: dict[str, LoadData] = {}
     """in a model.toml: the campaign's loads by name"""
+    mounted: str = ""
+    """in a model.toml of campaigns with other tools: the payload that is the tool of the last; poses that do
+    not say what the arm carries have it"""
     geometry: dict[str, dict[str, float]] = {}
     """in a model.toml: corrections by joint, Trans(tx, ty, tz) Rx Ry Rz [m, rad] before its motion, on the
     joint's axes in the URDF, which the smallest rotation turns so that z is the axis of motion"""
@@ -251,6 +254,9 @@ def unknown_names(path: Path, file: RobotFile, joints: list[str], links: set[str
         for link in file.links
         if link.name not in links
     ]
+    if file.mounted and file.mounted not in file.payloads:
+        known = f"has: {[*file.payloads]}"
+        faults.append(Fault(f"{path}: mounted", f"no payload {file.mounted!r}", known))
     for name, values in file.geometry.items():
         if name not in joints:
             faults.append(Fault(f"{path}: geometry.{name}", "no such joint", f"has: {joints}"))

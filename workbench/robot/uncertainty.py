@@ -47,6 +47,8 @@ class Uncertainty(_Table):
 
     points: tuple[ToolPoint, ...] = Field(min_length=1)
     """the targets on the flange"""
+    campaign: str = ""
+    """of several campaigns that were fitted together the one whose tool that is: the last"""
     nominal_base: Numbers = Field(min_length=6, max_length=6)
     """best base of the nominal robot in that of the corrected one: shift [m] and rotation vector [rad]"""
     base_measured: bool = True

@@ -136,13 +136,19 @@ def put_files(files: Mapping[Path, bytes], keep: bool, beside: Mapping[Path, byt
 
 
 def is_folder(out: Path, format: Format) -> bool:
-    """Whether `out` means a folder: it is one, or has no extension. `InputError` for another's extension."""
+    """Whether `out` means a folder: it is one, or has no extension. `InputError` for another's extension; a
+    table may have any that is no program's."""
+    from . import formats
+
     if out.is_dir() or not out.suffix:
         return True
-    if out.suffix.lower() not in format.extensions:
-        what = f"ends in {out.suffix}; {format.title} ends in {format.extension}"
-        raise InputError(Fault(str(out), what, f"name a folder, or a file ending in {format.extension}"))
-    return False
+    end = out.suffix.lower()
+    other = next((one for one in formats().values() if end in one.extensions), None)
+    if end in format.extensions or (format.samples and other is None):
+        return False
+    what = f"ends in {out.suffix}; {format.title} ends in {format.extension}"
+    mend = f"name a folder, or a file ending in {format.extension}"
+    raise InputError(Fault(str(out), what, f"{mend}, or say --format {other.name}" if other else mend))
 
 
 def _places(files: Mapping[str, bytes], format: Format, out: Path) -> dict[Path, bytes]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from ...campaign import Campaign
+from ...campaign.data import after
 from ...campaign.in_motion import in_motion
 from ...campaign.path_sides import sides_along
 from ...campaign.problem import Problem
@@ -318,21 +319,17 @@ def split_setup(problem: Problem, first: int) -> Problem:
 
 
 def split_campaign(c: Campaign, first: int, k: int = 0) -> Campaign:
-    """The campaign with the poses of its set-up k from `first` on in one of their own."""
+    """The campaign with the poses of its set-up k from `first` on in one of their own, which is the next."""
     setup: NDArray[np.int64] = c.poses.setup.copy()
     own = np.flatnonzero(setup == k)
     last = c.poses.ids[own[own < first][-1]]
-    setup[own[own >= first]] = len(c.setup_names)
-    return replace(
-        c.with_poses(setup=setup), setup_names=(*c.setup_names, f"{_after(c.setup_names[k])}{last}")
-    )
+    setup[setup > k] += 1
+    setup[own[own >= first]] = k + 1
+    names = *c.setup_names[: k + 1], f"{after(c.setup_names[k])}{last}", *c.setup_names[k + 1 :]
+    return replace(c.with_poses(setup=setup), setup_names=names)
 
 
 def was_split(name: str, names: Sequence[str]) -> bool:
     """Whether a set-up of this name is one of two parts among these names: which one another campaign means
     by it cannot be known."""
-    return any(other.startswith(_after(name)) for other in names)
-
-
-def _after(name: str) -> str:
-    return f"{name or 'setup'} after pose "
+    return any(other.startswith(after(name)) for other in names)

@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...campaign import Campaign
 from ...campaign.problem import Problem, problem
@@ -14,10 +15,10 @@ from ...effects.records import stated_effects
 from ...files.faults import Fault, InputError
 from ...identification.fit import Fit, fit, start_state
 from ...identification.model import Model, State
-from ...identification.noise import Covariance
+from ...identification.noise import FEWEST_DOF, Covariance
 from ...identification.plausible import believed, check_rest, too_few_alone
 from ...robot.kinematics import Array
-from ..noise.noise_choice import choose, without_wild_repeats
+from ..noise.noise_choice import choose, from_residual, of_distances, without_wild_repeats
 from ..result import FaultFound, Noise
 from .mistaken_loads import mistaken_loads
 from .moved_setup import LEAST_BEFORE, jump, split_campaign, split_setup, step_in_time
@@ -138,20 +139,26 @@ def noise_at(problem: Problem, known_effects: Acting, start: State) -> tuple[Cov
     return choose(problem, Model(problem, (), known_effects).linearise(start))
 
 
-def where_each_moved(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:
-    """Several campaigns as one, with two set-ups for one whose instrument or tool moved, and that as a fault.
-    Seen in each alone: beside others, these are poses that do not fit."""
+def each_alone(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:
+    """Several campaigns as one, with what each shows by itself: two set-ups for one whose instrument or tool
+    moved, and that as a fault (beside others, these are poses that do not fit); and the noise of those that
+    state none."""
     found = list[FaultFound]()
-    for k, name in enumerate(campaign.setup_names):
+    for name in campaign.setup_names:
+        k = campaign.setup_names.index(name)
         poses = np.flatnonzero(campaign.poses.setup == k)
         if not campaign.seen[poses].any():
             continue
         some = campaign.some(poses).with_poses(setup=np.zeros_like(poses))
-        alone = problem(replace(some, setup_names=(name,), beside=()).measured())
+        label = campaign.labels[campaign.of_campaign[poses[0]]]
+        if label in campaign.silent:
+            some = replace(some, sigma=None, noise_sigma=None)
+        alone = problem(replace(some, setup_names=(name,), beside=(), labels=(), silent=()).measured())
         if too_few_alone(alone):
             continue
         try:
             sound = without_faults(alone, tuple(stated_effects(alone)), lambda _: [])
+            campaign = _with_noise_of(sound, campaign, poses)
         except (InputError, ArithmeticError, np.linalg.LinAlgError):  # told of all of them
             continue
         for fault in (one for one in sound.faults if one.kind in ("moved_instrument", "changed_setup")):
@@ -159,3 +166,29 @@ def where_each_moved(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ..
             campaign = split_campaign(campaign, int(poses[first]), k)
             found.append(fault)
     return campaign, tuple(found)
+
+
+def _with_noise_of(sound: Sound, campaign: Campaign, poses: NDArray[np.int64]) -> Campaign:
+    """Several campaigns with the noise of a set-up, that states none, as it shows by itself: by repeats; or
+    else, for the time being, by distances between targets or what geometry leaves."""
+    label = campaign.labels[campaign.of_campaign[poses[0]]]
+    if label not in campaign.silent or campaign.sigma is None:
+        return campaign
+    noise, measured = sound.covariance, sound.noise.source != "residual"
+    if not measured:
+        geometry = fit(Model(sound.problem, (), sound.known_effects), sound.start, noise)
+        if geometry.point_rows - geometry.rank < FEWEST_DOF:
+            return campaign
+        noise = (of_distances(geometry) or from_residual(geometry))[0]
+    seen = sound.problem.seen
+    one_shot = np.sqrt(np.mean((noise.sigma**2 * sound.problem.campaign.shots)[seen]))
+    sigma = campaign.sigma.copy()
+    shots = np.where(campaign.seen[poses], campaign.shots[poses], np.nan)
+    sigma[poses] = (one_shot / np.sqrt(shots))[..., None]
+    campaign = replace(campaign, sigma=sigma)
+    if not measured:
+        return campaign
+    what = f"{label} states no noise: {1e3 * one_shot:.4f} mm per axis of a shot, as it is measured there"
+    silent = tuple(one for one in campaign.silent if one != label)
+    warnings = (*campaign.warnings, what)
+    return replace(campaign, silent=silent, shown=(*campaign.shown, label), warnings=warnings)

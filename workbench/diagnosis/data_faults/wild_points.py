@@ -54,7 +54,7 @@ class Cleaned:
 
 
 def clean(result: Fit, noise: Covariance, known_effects: Acting, least: Array) -> Cleaned:
-    """Finds data faults and mends them or leaves the points out, from a `robust_fit`. least: (T,) [m] one
+    """Finds data faults and mends them or leaves the points out, from a `robust_fit`. least: (N, T) [m] one
     sigma per axis that a point has in any case: what is within it is not wild."""
     return _in_rounds(result, least, lambda problem, at: robust_fit(problem, at, noise, known_effects))
 
@@ -123,12 +123,20 @@ def _pose_size(result: Fit, weight: Array) -> Array:
 
 def wild_limit(problem: Problem, length: Array, least: Array) -> Array:
     """(N, T) distance [m] from which a point is wild. length: (N, T) [m] how far each is off, NaN where not
-    seen: its robust scale per target counts, or that of its neighbours where many of them are off, but no
-    less than `least` (T,) [m], one sigma per axis."""
-    middle = np.array([np.median(column[np.isfinite(column)]) if np.isfinite(column).any() else np.inf
-                       for column in length.T])  # fmt: skip
+    seen: its robust scale per target counts, or that of its neighbours where many of them are off, or of its
+    campaign where that alone states no noise, but no less than `least` (N, T) or (T,) [m], one sigma per
+    axis."""
+    middle = np.broadcast_to(_middle(length), length.shape).copy()
+    for here in problem.campaign.of_silent.values():
+        middle[here] = np.maximum(middle[here], _middle(length[here]))
     sigma = np.maximum(np.maximum(middle, _where_many_are_off(problem, length)) / MIDDLE, least)
     return np.asarray(WILD * np.sqrt(3) * sigma)
+
+
+def _middle(length: Array) -> Array:
+    """(T,) median of lengths (N, T) that are finite; infinite where none is."""
+    columns = [column[np.isfinite(column)] for column in length.T]
+    return np.array([np.median(column) if len(column) else np.inf for column in columns])
 
 
 def _where_many_are_off(problem: Problem, length: Array) -> Array:
@@ -162,10 +170,12 @@ def _median_around(column: Array) -> Array:
 
 
 def least_sigma(problem: Problem, noise: Covariance | None) -> Array:
-    """(T,) one sigma per axis [m] of a usual point, 0 where no noise is known."""
-    if noise is None:
-        return np.zeros(problem.seen.shape[1])
-    return np.asarray(np.median(noise.sigma, axis=0))
+    """(N, T) one sigma per axis [m] of a usual point of its campaign, 0 where no noise is known."""
+    least, of = np.zeros(problem.seen.shape), problem.campaign.of_campaign
+    if noise is not None:
+        for k in np.unique(of):
+            least[of == k] = np.median(noise.sigma[of == k], axis=0)
+    return least
 
 
 @dataclass(frozen=True)

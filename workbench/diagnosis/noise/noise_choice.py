@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 from scipy.special import chdtrc
 
 from ...campaign.problem import Problem
@@ -30,6 +32,7 @@ from .six_dof import of_poses, of_repeats
 
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
 
+SILENT = "Taken for noise where none is stated"  # how a remark begins
 RIGID = 0.1  # of the noise: measured targets change their distances by more
 WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
@@ -230,6 +233,24 @@ def _left(result: Fit) -> float:
     """[m] per axis, root mean square: what a fit leaves, were it all noise of single points."""
     rows = result.model.problem.seen.sum() * 3
     return float(np.sqrt(np.nansum(result.residual**2) / max(rows - result.rank, 1)))
+
+
+def as_left(result: Fit, poses: NDArray[np.bool_]) -> float:
+    """By how much the noise of some poses (N,) is larger than it was taken for, as a fit's residual has it
+    there; what the fit has taken of these very poses (its leverage) counts as no row."""
+    r, prior = result.point_residual[poses], result.columns.prior
+    J = (result.J[poses, : r.shape[1]] * prior).reshape(-1, len(prior))
+    used = np.abs(result.whitener[poses, : r.shape[1]]).sum(axis=2) > 0
+    taken = float((solve_triangular(result.upper, J.T, trans=1) ** 2).sum())
+    return float(np.sqrt((r**2).sum() / max(used.sum() - taken, 1.0)))
+
+
+def said_of_silent(problem: Problem, noise: Covariance) -> list[str]:
+    """A remark where campaigns state no noise beside others that do."""
+    silent, sigma = problem.campaign.of_silent, 1e3 * noise.sigma
+    each = {label: float(np.sqrt(np.mean(sigma[here] ** 2))) for label, here in silent.items()}
+    said = ", ".join(f"{mm:.4f} mm per axis in {label}" for label, mm in each.items())
+    return [f"{SILENT}: {said}, which the model leaves there; the others count as stated."] if said else []
 
 
 def _parts(result: Fit) -> Covariance:

@@ -9,6 +9,8 @@ from ...campaign.problem import Problem
 from ...effects.place import Parameter
 from ...identification.fit import Fit
 from ...identification.own_base import own_base
+from ..prepared import Prepared
+from ..result import OfCampaign
 from .in_the_model import what_the_model_has
 
 ALIKE = 1.05  # times: noises of set-ups that differ by less are one
@@ -74,6 +76,28 @@ def _set_ups(problem: Problem, final: Fit) -> str:
         words = f"{names[k] or 'one'}: {(setup == k).sum()} poses, {off:.3f} mm RMS left"
         said.append(words if alike else f"{words}, noise {noise[k]:.3f} mm")
     return "; ".join(said)
+
+
+def of_campaigns(prepared: Prepared, alone: Fit, final: Fit) -> tuple[OfCampaign, ...]:
+    """Each of several campaigns that are fitted as one robot; none of a single one. alone: geometry alone."""
+    problem = final.model.problem
+    c = problem.campaign
+    out = []
+    for k, label in enumerate(c.labels):
+        here = c.of_campaign == k
+        seen = problem.seen & here[:, None]
+        if not seen.any():
+            continue
+        nominal, geometry, after = (
+            1e3 * float(np.sqrt(np.sum(result.residual[seen] ** 2, axis=-1).mean()))
+            for result in (prepared.nominal, alone, final)
+        )
+        noise = 1e3 * float(np.sqrt(np.mean(final.noise.sigma[seen] ** 2)))
+        source = "residual" if label in c.silent else "repeats" if label in c.shown else prepared.noise.source
+        last = bool(k == c.of_campaign.max())
+        counts = int(here.sum()), int(seen.sum())
+        out.append(OfCampaign(label, *counts, noise, source, nominal, geometry, after, last))
+    return tuple(out)
 
 
 def facts(problem: Problem, final: Fit) -> dict[str, str]:

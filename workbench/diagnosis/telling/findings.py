@@ -27,7 +27,7 @@ from ..weighing.components import Component, bare, with_companions
 from ..weighing.remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .ceiling import ceiling_mm
 from .evidence import evidence
-from .facts import facts, geometry, unidentifiable
+from .facts import facts, geometry, of_campaigns, unidentifiable
 from .headline import headline, much_left, remarks, shows_in, steps, verdict_of
 from .in_the_model import InModel, beside_the_model, has
 from .nameless import nameless_of, scattering
@@ -128,6 +128,7 @@ def assemble(parts: Parts) -> Diagnosis:
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
         facts=facts(problem, final),
+        campaigns=of_campaigns(prepared, alone, final),
         errors=pose_errors(prepared, alone, final),
         joints=problem.robot.joint_names,
         q=c.poses.q,

@@ -29,6 +29,7 @@ COUNTED = "counted there as in the last campaign, whose zeros the model has"
 SCALED = "scaled there as in the last campaign; a known distance tells which is right"
 CARRIED = "taken to carry that there; state it in that campaign"
 LEVER = 0.1  # m: a usual mass has its first moment at this distance from where it is stated
+FARTHEST = 10 * LEVER  # m from the flange: nobody mounts a load with its centre there
 MOST = 4  # further set-ups that may each have a geometry of its own: more of them have too few poses
 
 
@@ -170,6 +171,15 @@ class GeometryAnew(Anew, DirectEffect):
         return [cls(others=others, motions=6.0 * problem.arm.n)] if 0 < others <= MOST else []
 
 
+def _centre(mass: Array, error: float, moment: Array, std: Array, stated: Array) -> tuple[Array, Array]:
+    """Centres of mass (k, 3) [m] and their standard deviations, of masses (k, 1) ± error [kg] with first
+    moments (k, 3) ± std (3,) [kg·m], by what is usual: within `LEVER` of where they are stated. What the data
+    do not determine stays there."""
+    seen, usual = std**-2.0, (LEVER * mass) ** -2.0
+    best = (seen * moment + usual * mass * stated) / (seen + usual) / mass
+    return best, np.hypot((seen + usual) ** -0.5, best * error) / mass
+
+
 def _others(problem: Problem) -> float:
     """Number of set-ups but the last; 0 of a single campaign, whose robot stays what it is."""
     campaign = problem.campaign
@@ -217,7 +227,7 @@ class CarriedAnew(BySetup, LoadEffect):
 
     def as_it_was(self, problem: Problem, values: Array, std: Array) -> Recorded | None:
         """With what the arm carried in the set-up, each of its loads as one named after it. None where that
-        would be less than nothing, or nothing as stated."""
+        would be less than nothing, farther from the flange than anything is mounted, or nothing as stated."""
         c = problem.campaign
         there, setup = self._here(problem) > 0, str(self.where.payload)
         old = np.unique(c.poses.payload[there])
@@ -225,8 +235,11 @@ class CarriedAnew(BySetup, LoadEffect):
         less = c.load_mass[old] + values[0] < -SURELY * std[0]
         if less.any() or np.array_equal(mass, c.load_mass[old]):
             return None
-        moment = c.load_mass[old, None] * c.load_com[old] + values[1:]
-        com = np.where(mass[:, None] > 0, moment / np.maximum(mass, 1e-9)[:, None], 0.0)
+        seen = c.load_mass[old, None] * c.load_com[old] + values[1:]
+        com, off = _centre(np.maximum(mass, 1e-9)[:, None], std[0], seen, std[1:], c.load_com[old])
+        com = np.where(mass[:, None] > 0, com, 0.0)
+        if (np.linalg.norm(com, axis=1) > FARTHEST + SURELY * np.linalg.norm(off, axis=1)).any():
+            return None
         names = [f"{name} ({setup})" if (name := c.payload_names[i]) else f"load ({setup})" for i in old]
         new = len(c.payload_names) + np.searchsorted(old, c.poses.payload)
         campaign = replace(
@@ -241,7 +254,7 @@ class CarriedAnew(BySetup, LoadEffect):
             what = f"with each of its loads the arm carries {kg} than stated in {setup}"
         else:
             said = f"{mass[0]:.3g} kg (± {std[0]:.2g} kg)"
-            if mass[0] > SURELY * std[0]:
+            if mass[0] > SURELY * std[0] and (std[1:] < LEVER * mass[0]).all():
                 centre = ", ".join(f"{round(1e3 * along)}" for along in com[0].tolist())
                 said += f", centred {centre} mm from the flange,".replace("-", "\N{MINUS SIGN}")
             beside = " beside its tool" if c.tool_mass > 0 else ""

@@ -162,6 +162,7 @@ def posed(robot: Robot, q: Array, payload: str | Sequence[str] = "") -> Campaign
 
     Raises `InputError` for another."""
     carried = [payload] * len(q) if isinstance(payload, str) else list(payload)
+    carried = [name or robot.mounted for name in carried]
     loads = {}
     for name in filter(None, dict.fromkeys(carried)):
         if name not in robot.payloads:

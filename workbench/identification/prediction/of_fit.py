@@ -87,6 +87,7 @@ def _uncertainty(result: Fit) -> Uncertainty | None:
             for target, place, other in zip(gauge.targets, places, nominal, strict=True)
         ),
         nominal_base=_numbers(base),
+        campaign=_called(problem, gauge.setup),
         base_measured=kept.measured,
         turn_measured=not idle.size,
         names=at.names,
@@ -128,9 +129,25 @@ class _Gauge:
 
 
 def _gauge(result: Fit) -> _Gauge:
-    """The set-up with most poses."""
+    """The set-up with most poses, of several campaigns of the last, whose tool is mounted now; of all where
+    the last shows its tool too seldom to judge by."""
+    problem = result.model.problem
+    of = problem.campaign.of_campaign
+    now = _most_measured(result, of == of[-1])
+    enough = problem.seen[:, now.chosen].sum() >= LEAST
+    return now if enough else _most_measured(result, np.ones_like(of, dtype=bool))
+
+
+def _called(problem: Problem, setup: int) -> str:
+    """What the campaign of a set-up is called, of several that are fitted together."""
+    c = problem.campaign
+    return c.labels[c.of_campaign[c.poses.setup == setup][0]] if c.labels else ""
+
+
+def _most_measured(result: Fit, among: NDArray[np.bool_]) -> _Gauge:
+    """The set-up that most of some poses (N,) are of."""
     problem, c = result.model.problem, result.model.problem.campaign
-    setup = int(np.bincount(c.poses.setup).argmax())
+    setup = int(np.bincount(c.poses.setup[among]).argmax())
     seen = problem.seen[c.poses.setup == setup].any(axis=0)
     flange = problem.arm.slots - 1
     chosen = [i for i, slot in enumerate(problem.on) if slot == flange and seen[i]]

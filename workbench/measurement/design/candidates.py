@@ -59,13 +59,13 @@ def candidates(
 ) -> Campaign:
     """About `count` possible records: random poses with every load and in every session. draw: of poses that
     can be measured; None: any. Raises InputError where hardly any pose is possible."""
-    payloads = len(prior.problem.campaign.payload_names)
+    payloads = prior.mountable
     sessions = factors.sessions
     pulls = 2 if factors.pull else 1
-    several = payloads * len(sessions) * pulls
+    several = len(payloads) * len(sessions) * pulls
     positions = max(FEWEST, count // several)
     q = random_poses(prior.robot, positions, rng) if draw is None else draw(positions, rng)
-    grids = np.meshgrid(range(payloads), range(len(sessions)), range(pulls))
+    grids = np.meshgrid(payloads, range(len(sessions)), range(pulls))
     payload, session, pulled = (grid.ravel() for grid in grids)
     records = prior.records(np.tile(q, (several, 1)), np.repeat(payload, len(q)))
     start, temperature = (

@@ -98,6 +98,17 @@ class PriorInformation:
         campaign = with_payloads(self.problem.campaign, payloads)
         return replace(self, problem=replace(self.problem, campaign=campaign))
 
+    @property
+    def mountable(self) -> NDArray[np.int64]:
+        """Numbers of the payloads that new records may carry: all; where tools are payloads those with the
+        one that is mounted now, and those that no pose has carried yet."""
+        c = self.problem.campaign
+        if not c.mounted:
+            return np.arange(len(c.payload_names))
+        now = c.poses.payload[c.of_campaign == c.of_campaign[-1]]
+        other = np.setdiff1d(np.append(c.poses.payload, 0), [*now, c.payload_names.index(c.mounted)])
+        return np.setdiff1d(np.arange(len(c.payload_names)), other)
+
     def records(self, q: Array, payload: NDArray[np.int64]) -> Campaign:
         """A campaign of N poses q: (N, n) with payloads (N,), without points."""
         c, n_poses = self.problem.campaign, len(q)
@@ -229,8 +240,10 @@ def prior_precision(names: Sequence[str]) -> Array:
 def from_robot(robot: Robot, known: Sequence[str] = ()) -> PriorInformation:
     """A robot with the loads of its own TOML, three targets on its flange, and an assumed tracker; known: as
     `--known` says it. Raises InputError where that cannot be."""
-    loads = {name: stated_load(load) for name, load in robot.payloads.items()}
-    blank = planned(robot, np.zeros((1, len(robot.joints))), payloads=loads, tool=stated_load(robot.tool))
+    on, q = robot.mounted, np.zeros((1, len(robot.joints)))
+    loads = {name: stated_load(load) for name, load in robot.payloads.items() if on in ("", name)}
+    blank = planned(robot, q, payloads=loads, payload=[on], tool=stated_load(robot.tool))
+    blank = replace(blank, mounted=on)
     nothing = problem_of(with_known(blank, known))
     given = given_facts(nothing)
     joint = np.array([item.data.repeatability or 0.0 for item in robot.joints])
@@ -256,10 +269,8 @@ def from_campaign(
 def from_prepared(prepared: Prepared) -> PriorInformation:
     """A robot with campaigns that are prepared, and with what is given beside them."""
     problem, covariance = prepared.problem, prepared.covariance
-    setup = problem.campaign.poses.setup
-    # of several campaigns the tool of the last is mounted
-    now = setup == setup[-1] if problem.campaign.beside else np.ones(len(setup), dtype=bool)
-    share = problem.seen[now].mean(axis=0)
+    of = problem.campaign.of_campaign
+    share = problem.seen[of == of[-1]].mean(axis=0)  # of several campaigns the tool of the last is mounted
     shown = (share >= min(OFTEN, float(share.max()))) | problem.campaign.six_dof
     setups = range(len(problem.campaign.setup_names))
     where = [problem.seen[problem.campaign.poses.setup == k].sum(axis=0) for k in setups]
