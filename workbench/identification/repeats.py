@@ -55,7 +55,7 @@ def scatter_of_repeats(problem: Problem) -> tuple[Array, Array, int]:
     Repeats hours apart differ as well by what has moved or grown meanwhile. Where shift, turn and growth
     of all points of a set-up, smooth in time or proportional to temperature, surely leave less of that than
     the same in random order, they are no scatter: a drift would be taken for noise, and hide in it. By the
-    logarithm of what is left: of a few repeats that drift alone functions in any order explain more than half,
+    logarithm of what is left: of few repeats that drift far, functions in any order explain more than half,
     and none can explain more than all."""
     group = repeat_groups(problem)
     deviation, weight, dof = within(problem.campaign.points, group)
@@ -99,7 +99,9 @@ def _span(slow: Array, motions: Array, group: NDArray[np.int64]) -> Array:
 
 def _log_left(functions: Array, d: Array) -> float:
     """Logarithm of what orthonormal functions (m, r) leave of the square of d (m,)."""
-    return float(np.log(max(d @ d - float(((functions.T @ d) ** 2).sum()), 1e-12 * (d @ d), 1e-300)))
+    whole = float(d @ d)
+    left = whole - float(((functions.T @ d) ** 2).sum())
+    return float(np.log(max(left, 1e-12 * whole, 1e-300)))
 
 
 def _rigid_and_growth(problem: Problem, here: NDArray[np.bool_]) -> Array:
