@@ -14,7 +14,7 @@ WAVES = 3  # cosines in time: what a stand or a hall does in a day
 ALIKE = 0.05  # of the largest: a function beside the others by less is no further one
 MOST = 5  # functions that are tried
 ROOM = 3.0  # times as many degrees of freedom as functions are tried
-DRAWS, CLEAR = 24, 6.0  # of the same functions in random order; standard deviations that are no chance
+DRAWS, SURELY = 24, 3.0  # of the same functions in random order; standard deviations that are no chance
 
 
 def repeat_groups(problem: Problem) -> NDArray[np.int64]:
@@ -53,8 +53,10 @@ def scatter_of_repeats(problem: Problem) -> tuple[Array, Array, int]:
     over that of a point (N,) (0: alone), and the degrees of freedom.
 
     Repeats hours apart differ as well by what has moved or grown meanwhile. Where shift, turn and growth
-    of all points of a set-up, smooth in time or proportional to temperature, explain more of that than the
-    same in random order, they are no scatter: a drift would be taken for noise, and hide in it."""
+    of all points of a set-up, smooth in time or proportional to temperature, surely leave less of that than
+    the same in random order, they are no scatter: a drift would be taken for noise, and hide in it. By the
+    logarithm of what is left: of few repeats that drift far, functions in any order explain more than half,
+    and none can explain more than all."""
     group = repeat_groups(problem)
     deviation, weight, dof = within(problem.campaign.points, group)
     setup = problem.campaign.poses.setup
@@ -67,13 +69,11 @@ def scatter_of_repeats(problem: Problem) -> tuple[Array, Array, int]:
             continue
         passing = _span(slow, motions, group[here])
         rng = np.random.default_rng(0)
-        chance = [
-            float(((_span(rng.permutation(slow), motions, group[here]).T @ d) ** 2).sum())
-            for _ in range(DRAWS)
-        ]
-        taken = passing @ (passing.T @ d)
-        if taken @ taken < np.mean(chance) + CLEAR * np.std(chance):
+        drawn = [_span(rng.permutation(slow), motions, group[here]) for _ in range(DRAWS)]
+        chance = [_log_left(functions, d) for functions in drawn]
+        if _log_left(passing, d) > np.mean(chance) - SURELY * np.std(chance):
             continue
+        taken = passing @ (passing.T @ d)
         rank = passing.shape[1]
         deviation[here] = (d - taken).reshape(deviation[here].shape)
         weight[here] *= (own - rank) / own
@@ -95,6 +95,13 @@ def _span(slow: Array, motions: Array, group: NDArray[np.int64]) -> Array:
     )
     U, s, _ = np.linalg.svd(off, full_matrices=False)
     return np.asarray(U[:, s > 1e-9 * s.max(initial=1e-300)])
+
+
+def _log_left(functions: Array, d: Array) -> float:
+    """Logarithm of what orthonormal functions (m, r) leave of the square of d (m,)."""
+    whole = float(d @ d)
+    left = whole - float(((functions.T @ d) ** 2).sum())
+    return float(np.log(max(left, 1e-12 * whole, 1e-300)))
 
 
 def _rigid_and_growth(problem: Problem, here: NDArray[np.bool_]) -> Array:
