@@ -20,7 +20,7 @@ from ..result import Finding, Rival
 from ..search.competition import Selection
 from ..weighing.chosen import Shares
 from ..weighing.components import Component
-from ..weighing.remainder import Remainder
+from ..weighing.remainder import Remainder, ordinary_mm, rp_mm
 from .evidence import structure_evidence
 from .headline import listed, words_of
 
@@ -99,6 +99,14 @@ def _as_one(found: list[Finding], worth_mm: float) -> Finding:
     )
 
 
+def repeats_worse(selection: Selection, left: Remainder, noise: Covariance) -> bool:
+    """Whether a joint alone scatters by more than an ordinary robot does, however little that is beside the
+    noise: one that goes otherwise from where it came from, which nobody recorded."""
+    most = chi2_of_joints(selection.fit, noise, selection.scatter).max(initial=0.0)
+    excess = noise.usual * float(np.sqrt(most / left.dof))
+    return rp_mm(excess) > ordinary_mm(selection.fit.model.problem.robot)
+
+
 def scattering(selection: Selection, left: Remainder, noise: Covariance, rms_mm: float) -> Finding:
     """The residual is larger than the noise, and nothing that competed says where it comes from: in a joint
     where its scatter makes most of what is beyond the noise."""
@@ -160,7 +168,7 @@ def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) ->
         gain_mm=worth,
         probability=float(np.clip(probability, 0.0, 1.0)),
         separate_by=function.lacks or None,
-        of_instrument=function.acts == "instrument",
+        like=function.like,
         of_campaigns=function.dated,
         structure=structure,
         sentence=f"What is left {structure}.",
