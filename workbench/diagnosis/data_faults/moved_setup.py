@@ -289,10 +289,10 @@ def _of_load(problem: Problem) -> list[Effect]:
 
 
 def _of_time(problem: Problem) -> list[Effect]:
-    """How an arm, or what it stands on, moves smoothly as it warms up."""
+    """How an arm, or what it stands on, moves smoothly as it warms up: by a law, which no step is part of."""
     kinds = [kind for kind in catalogue().values() if kind.acts == "geometry" and kind.needs(problem) is None]
     every = [e for kind in kinds for e in kind.sites(problem)]
-    return [e for e in every if e.uses & {"time", "temperature"}]
+    return [e for e in every if e.lasting and e.uses & {"time", "temperature"}]
 
 
 def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> tuple[Array, Array, Array]:
