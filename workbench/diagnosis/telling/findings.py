@@ -30,7 +30,7 @@ from .evidence import evidence
 from .facts import facts, geometry, of_campaigns, unidentifiable
 from .headline import headline, much_left, remarks, shows_in, steps, verdict_of
 from .in_the_model import InModel, beside_the_model, has
-from .nameless import nameless_of, repeats_worse, scattering
+from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
 from .set_ups_apart import by_comparing, perhaps_changed
@@ -74,8 +74,7 @@ def assemble(parts: Parts) -> Diagnosis:
     rest = with_names - ceiling
     much = left.scatter and much_left(brought, rest)
     more = left if much else beyond  # so much is no part of causes that are off their forms
-    by_joint = not findings and repeats_worse(selection, left, prepared.covariance)
-    if not nameless and (more.scatter or by_joint) and repeats_to is None:
+    if not nameless and more.scatter and repeats_to is None:
         nameless = [scattering(selection, more, prepared.covariance, best)]
     nameless = [_with_comparison(one, problem) for one in nameless]
     verdict = verdict_of(findings, nameless, brought, rest)

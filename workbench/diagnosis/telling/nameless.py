@@ -20,7 +20,7 @@ from ..result import Finding, Rival
 from ..search.competition import Selection
 from ..weighing.chosen import Shares
 from ..weighing.components import Component
-from ..weighing.remainder import Remainder, ordinary_mm, rp_mm
+from ..weighing.remainder import Remainder
 from .evidence import structure_evidence
 from .headline import listed, words_of
 
@@ -97,14 +97,6 @@ def _as_one(found: list[Finding], worth_mm: float) -> Finding:
         rivals=rivals,
         separate_by=advice,
     )
-
-
-def repeats_worse(selection: Selection, left: Remainder, noise: Covariance) -> bool:
-    """Whether a joint alone scatters by more than an ordinary robot does, however little that is beside the
-    noise: one that goes otherwise from where it came from, which nobody recorded."""
-    most = chi2_of_joints(selection.fit, noise, selection.scatter).max(initial=0.0)
-    excess = noise.usual * float(np.sqrt(most / left.dof))
-    return rp_mm(excess) > ordinary_mm(selection.fit.model.problem.robot)
 
 
 def scattering(selection: Selection, left: Remainder, noise: Covariance, rms_mm: float) -> Finding:
