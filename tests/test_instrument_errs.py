@@ -89,7 +89,7 @@ def test_what_the_instrument_does_is_not_the_robots(sound, error):
     found = diagnose(seen_by_tracker(sound, error)).diagnosis
     (only,) = found.causes
     assert only.cause == UNKNOWN
-    assert only.of_instrument
+    assert only.like.startswith("the instrument's own error")
     assert "the instrument's own error" in found.headline
     assert "setup" in only.separate_by
     noise = np.sqrt(3) * SIGMA * 1e3
@@ -108,7 +108,9 @@ def test_a_gear_is_found_beside_what_the_instrument_does():
     found = diagnose(seen_by_tracker(measured("6R", (hidden,), loads=()), short)).diagnosis
     first, *more = found.causes
     assert (first.cause, first.where.joint, first.status) == ("gear_eccentricity", "joint_1", "named")
-    assert [(one.cause, one.of_instrument) for one in more] == [(UNKNOWN, True)]
+    assert [(one.cause, one.like) for one in more] == [
+        (UNKNOWN, "the instrument's own error, not the robot's")
+    ]
 
 
 def test_points_about_the_robots_own_base_have_no_head_in_their_origin(sound):

@@ -87,8 +87,8 @@ class Finding:
     this one, of all that competed; variant: its form, of several the one that shows most, where
     place and order do not say it; called: what the field calls it, where its cause does not say it; faint:
     rivals that are not worth a word, but would stand in the way of its name were the others gone;
-    taken_back: it undoes what the robot's own model has of it; of_instrument: it goes by what the instrument
-    sees, and is not the robot's; of_campaigns: by the campaign, of several that are fitted as one robot."""
+    taken_back: it undoes what the robot's own model has of it; like: of what has no name, what it looks like
+    in words, where that is known; of_campaigns: by the campaign, of several that are fitted as one robot."""
 
     cause: str
     title: str
@@ -105,7 +105,7 @@ class Finding:
     structure: str | None = None
     sentence: str = ""
     taken_back: bool = False
-    of_instrument: bool = False
+    like: str = ""
     of_campaigns: bool = False
     equation: str = ""
     evidence: Evidence | None = None

@@ -110,7 +110,7 @@ def _mended(prepared: Prepared, found: Searched) -> Prepared | None:
     wild = wild_beside(found.selection.fit, prepared.least)
     if wild.faults:
         return prepared.mended(wild)
-    if not found.selection.nameless:
+    if not found.selection.nameless and found.selection.fit.lasting is found.selection.fit:
         return None
     problem, moved = changed_between(found.selection)
     if moved:

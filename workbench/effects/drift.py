@@ -1,43 +1,51 @@
-"""The base (or the instrument) moves with time."""
+"""The base (or the instrument), or the tool on the flange, moves with time."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Depends, Effect, Param, Rest, short
+from .base import Depends, Effect, Param, Rest, motion_said, short
 from .coming_to_rest import SHARES, gone, since_start, start_and_span
 from .drawn import Drawn
 from .kinds import DirectEffect
 from .place import Parameter
-from .unnamed.campaign import Clock
+from .travel import rms
+from .unnamed.base import each
+from .unnamed.campaign import Clock, waves_over, waves_shown, weights_of_waves
 
+WAYS = ("shift", "shift+turn", "tool")
 RATES = ("rate_x", "rate_y", "rate_z")
 EVEN, FIRST = 3e-8, 1e-7  # m/s, rad/s: usual speeds, even and before it comes to rest (0.1 mm/h, 0.4 mm/h)
 UNEVEN = 0.1  # share of the way in the campaign
+FREELY = 3e-5  # rad, m: a usual way by no law
 TURNS = ("turn_rate_x", "turn_rate_y", "turn_rate_z")
 
 
 @dataclass(frozen=True)
 class Drift(DirectEffect):
     """The robot's base moves by v (t − t₀), on its own axes, v in m/s; `variant` "shift+turn" turns
-    it by w (t − t₀) about its origin as well, w in rad/s.
+    it by w (t − t₀) about its origin as well, w in rad/s; "tool" is both of the tool, on the flange's axes.
 
     One that creeps to rest, as a stand that warms up does, goes by v t_c (1 − exp(−(t − t₀)/t_c)): t_c is
     `constant` in s, 0: it goes evenly. An instrument that moves the other way looks the same. t₀ is the
-    campaign's first instant `start`.
+    campaign's first instant `start`. One that goes "freely", there and back, by shifts and breaks, has so
+    many waves in time, `highest`, for each motion, as large as `size` [m, rad]: what it does at other times
+    nobody knows.
     """
 
     start: float = 0.0
     constant: float = 0.0
+    highest: float = 0.0
+    size: float = FREELY
 
     cause: ClassVar[str] = "drift"
-    title: ClassVar[str] = "Base or instrument drifts"
+    title: ClassVar[str] = "Base, instrument or tool drifts"
     depends: ClassVar[Depends] = frozenset({"time"})
     equation: ClassVar[str] = 'Delta X_"base" = v thin (t - t_0)'
     settings: ClassVar[tuple[str, ...]] = ("start", "constant")
@@ -49,15 +57,39 @@ class Drift(DirectEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
+        if self.highest:
+            return weights_of_waves(self.size, self.highest, 6 if self.turns else 3)
         usual = FIRST if self.constant else EVEN
-        shift = tuple(Param(name, "m/s", usual, "of the base, on its own axes") for name in RATES)
+        of, frame = f"of the {self.what}", "flange" if self.of_tool else "base"
+        shift = tuple(Param(name, "m/s", usual, f"{of}, on the {frame}'s axes") for name in RATES)
         if not self.turns:
             return shift
-        return shift + tuple(Param(name, "rad/s", usual, "of the base, about its origin") for name in TURNS)
+        turn = tuple(Param(name, "rad/s", usual, f"{of}, about the {frame}'s origin") for name in TURNS)
+        return shift + turn
+
+    @property
+    def of_tool(self) -> bool:
+        return self.variant.startswith("tool")
+
+    @property
+    def what(self) -> str:
+        """What moves."""
+        return "tool" if self.of_tool else "base"
 
     @property
     def turns(self) -> bool:
-        return "turn" in self.variant
+        return self.of_tool or "turn" in self.variant
+
+    @property
+    def rare(self) -> bool:
+        return bool(self.highest)
+
+    @property
+    def lasting(self) -> bool:
+        return not self.highest
+
+    def sized(self, scale: float) -> Effect:
+        return replace(self, size=scale * self.size)
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
@@ -67,16 +99,23 @@ class Drift(DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Drift]:
-        return [] if problem.time is None or np.ptp(problem.time) == 0 else cls.places(problem)
+        if problem.time is None or np.ptp(problem.time) == 0:
+            return []
+        start, _ = start_and_span(problem)
+        freely = [
+            cls(variant=f"{way} freely", start=start, highest=highest)
+            for highest in waves_shown(problem)
+            for way in WAYS
+        ]
+        return [*cls.places(problem), *freely]
 
     @classmethod
     def places(cls, problem: Problem) -> Sequence[Drift]:
         start, span = start_and_span(problem)
-        ways = ("shift", "shift+turn")
-        even = [cls(variant=way, start=start) for way in ways]
+        even = [cls(variant=way, start=start) for way in WAYS]
         creeping = [
             cls(variant=f"{way} creeping {share:g}", start=start, constant=share * span)
-            for way in ways
+            for way in WAYS
             for share in SHARES
         ]
         return even + creeping
@@ -91,34 +130,55 @@ class Drift(DirectEffect):
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real drift does not go evenly."""
+        if self.highest:
+            return []
         way = self.params[0].typical * float(np.ptp(self._gone(problem)))
-        return [(UNEVEN * way / one.size, one) for one in Clock.sites(problem) if one.of_base]
+        return [(UNEVEN * way / one.size, one) for one in Clock.of(problem) if one.of_base != self.of_tool]
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         if problem.time is None:
             return {}
-        gone = self._gone(problem)[:, None]
-        return {c: gone * unit for c, unit in enumerate(np.eye(len(self.params)))}
+        first = 6 * (problem.arm.n + 1) if self.of_tool else 0
+        course = waves_over(problem.time, self.highest) if self.highest else self._gone(problem)[:, None]
+        return dict(each(range(first, first + (6 if self.turns else 3)), course))
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
-        speed = float(np.linalg.norm(values))  # with a turn: at one metre from the base's origin
-        name = "motion of the base" + (" at 1 m" if self.turns else "")
-        return Drawn(self._since(problem) / 60, "time", "min", self._gone(problem) * speed, name, "m")
+        # with a turn: at one metre from the origin
+        name = f"motion of the {self.what}" + (" at 1 m" if self.turns else "")
+        moved = [basis @ values for basis in self.motion(problem).values()]
+        gone = np.sign(self._gone(problem)) * np.linalg.norm(moved, axis=0)
+        return Drawn(self._since(problem) / 60, "time", "min", gone, name, "m")
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        if self.highest:
+            size, std = self._shift(values, covariance)
+            return (
+                Parameter("amplitude", size, std, "m", f"RMS of the {self.what}'s shift in the campaign"),
+            )
         v = values[:3]
         rate = float(np.linalg.norm(v))
         along = v / rate if rate > 0 else np.full(3, 3**-0.5)
         std = float(np.sqrt(along @ covariance[:3, :3] @ along))
         return (
-            Parameter("rate", rate, std, "m/s", "speed of the base, at the start"),
+            Parameter("rate", rate, std, "m/s", f"speed of the {self.what}, at the start"),
             *super().report(values, covariance),
         )
 
+    def _shift(self, values: Array, covariance: Array) -> tuple[float, float]:
+        """RMS over the campaign of how far it shifts by no law [m], and its standard deviation."""
+        part = slice(3 * int(self.highest))
+        return rms(values[part], covariance[part, part])
+
     def sentence(self, values: Array) -> str:
+        what = "tool" if self.of_tool else "base (or the instrument)"
+        if self.highest:
+            size, _ = self._shift(values, np.zeros((len(values), len(values))))
+            return (
+                f"The {what} moves in the course of the campaign, by {motion_said(size, sliding=True)} RMS."
+            )
         speed = f"{short(float(np.linalg.norm(values[:3])) * 3600e6)} µm/h"
         if self.turns:
             speed += f" and turns by {short(float(np.linalg.norm(values[3:])) * 3600e6)} µrad/h"
         if self.constant:
             speed += f" at first, and comes to rest with a time constant of {self.constant / 60:.0f} min"
-        return f"The base (or the instrument) drifts by {speed}."
+        return f"The {what} drifts by {speed}."

@@ -85,7 +85,7 @@ def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[E
     _check_names(item, problem, text)
     free = kind_of(item.variant) if item.cause == UNKNOWN else None
     effect = (
-        free(Where(item.joint, item.other, item.link, order=item.order))
+        free(Where(item.joint, item.other, item.link, order=item.order), item.variant)
         if free
         else _place(kinds[item.cause], item, problem, text)
     )

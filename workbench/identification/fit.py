@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from ..campaign.problem import Problem
-from ..effects.base import UNKNOWN, Effect
+from ..effects.base import Effect
 from ..robot.equilibrium import NoRest
 from ..robot.kinematics import Array
 from .gauss_newton import Normal
@@ -80,10 +80,10 @@ class Fit:
 
     @cached_property
     def lasting(self) -> Fit:
-        """Without functions that have no name and do not stay with the robot (of bearing, order, time), the
-        rest fitted again: part of what they took may be the robot's, and a model predicts without them. What
-        earlier campaigns alone have stays: the rest is the robot of the last."""
-        kept = [e for e in self.model.effects if e.cause != UNKNOWN or e.lasting or e.dated]
+        """Without functions that do not stay with the robot (of bearing, order, time), the rest fitted again:
+        part of what they took may be the robot's, and a model predicts without them. What earlier campaigns
+        alone have stays: the rest is the robot of the last."""
+        kept = [e for e in self.model.effects if e.lasting or e.dated]
         return self if len(kept) == len(self.model.effects) else refit(self, kept)
 
     @property

@@ -41,6 +41,7 @@ MOST = 0.5  # of what is beyond the noise, which a step explains
 SURE = 3.0  # standard deviations of its size, from which a step's size is determined
 AS_WELL = 2.0  # times what is left of its own fit: one fit for all poses explains a part as well
 WAVES = 3  # cosines in the order of measurement: what a drift may look like
+MANY = 10.0  # times its usual size, up to which what is smooth may stand in for a step
 STRETCHES = 12  # of a path: each is one look
 ORDERS, CLEARLY = 11, 3.0  # drawn at random, and times what chance makes a step of in the middle one of them
 
@@ -248,23 +249,25 @@ def _left_by(gain: float, chi2: float, dof: float) -> float:
 
 def _beside_joints(result: Fit, step: Array) -> float:
     """Statistic of a step when smooth functions of joints, stiffness, payload, warmth and sag are taken out
-    first.
+    first, each up to many times its usual size.
 
     Poses measured joint by joint, load by load, or while the arm warms up, would else let their errors look
     like a step.
     """
     problem = result.model.problem
-    smooth = [result.whitened(e) for e in [*_of_one_joint(problem), *_of_load(problem), *_of_time(problem)]]
-    return _beside(result, step, [*smooth, sag(result)])
+    every = [*_of_one_joint(problem), *_of_load(problem), *_of_time(problem)]
+    smooth = [result.whitened(e) * [p.typical for p in e.params] for e in every]
+    return _beside(result, step, [*smooth, sag(result)], held=MANY * problem.coarse)
 
 
-def _beside(result: Fit, step: Array, smooth: Sequence[Array]) -> float:
-    """Statistic of a step (N, D, 6) when other columns are taken out first; none where these are as many as
-    the data."""
+def _beside(result: Fit, step: Array, smooth: Sequence[Array], held: float = np.inf) -> float:
+    """Statistic of a step (N, D, 6) when other columns are taken out first, each up to about `held` times;
+    none where these are as many as the data and not held."""
     n = sum(columns.shape[2] for columns in smooth)
-    if result.J.shape[2] + n > 0.6 * result.point_rows:
+    if result.J.shape[2] + n * (held == np.inf) > 0.6 * result.point_rows:
         return 0.0
     S, u, own = reduce_columns(result, np.concatenate([*smooth, step], axis=2))
+    S[np.arange(n), np.arange(n)] += held**-2.0
     length = np.sqrt(np.maximum(own, 1e-12 * own.max()))  # what moves nothing stays nothing
     S, u = S / np.outer(length, length), u / length
     size, axes = np.linalg.eigh(S[:n, :n])
@@ -289,10 +292,10 @@ def _of_load(problem: Problem) -> list[Effect]:
 
 
 def _of_time(problem: Problem) -> list[Effect]:
-    """How an arm, or what it stands on, moves smoothly as it warms up."""
+    """How an arm, or what it stands on, moves smoothly as it warms up: by a law, which no step is part of."""
     kinds = [kind for kind in catalogue().values() if kind.acts == "geometry" and kind.needs(problem) is None]
     every = [e for kind in kinds for e in kind.sites(problem)]
-    return [e for e in every if e.uses & {"time", "temperature"}]
+    return [e for e in every if e.lasting and e.uses & {"time", "temperature"}]
 
 
 def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> tuple[Array, Array, Array]:

@@ -102,8 +102,8 @@ def headline(
             left = "Something is left whose cause is not decided"
         elif any(f.of_campaigns for f in findings):
             left = "The robot is not the same in all campaigns"
-        elif any(f.of_instrument for f in findings):
-            left = "Something is left that looks like the instrument's own error, not the robot's"
+        elif like := next((f.like for f in findings if f.like), ""):
+            left = f"Something is left that looks like {like}"
         first, then = (said, left) if brought_mm > best / 2 else (left, said)  # what is most of it leads
         return f"{first}{f'; {then[0].lower()}{then[1:]}' if then else ''}. {gain}"
     return f"{said}. {gain}"

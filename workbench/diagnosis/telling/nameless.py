@@ -160,7 +160,7 @@ def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) ->
         gain_mm=worth,
         probability=float(np.clip(probability, 0.0, 1.0)),
         separate_by=function.lacks or None,
-        of_instrument=function.acts == "instrument",
+        like=function.like,
         of_campaigns=function.dated,
         structure=structure,
         sentence=f"What is left {structure}.",

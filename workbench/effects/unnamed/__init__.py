@@ -11,18 +11,20 @@ from collections.abc import Iterator
 from ...campaign.problem import Problem
 from .anew import CarriedAnew, GeometryAnew, ScaleAnew, ZeroAnew
 from .base import Unnamed
-from .campaign import Along, Attitude, Clock, PerPayload, Warmth, Zeros
+from .campaign import Along, Attitude, Clock, PerPayload, Warmth, ZeroInTime, Zeros
 from .carriage import UnevenCarriage
 from .curved_yield import CurvedYield
+from .foot import Foot
 from .instrument import Bearing, Head, Ranging, Reflectors, Views
 from .joints import Pair, Product, Side, SideBands, Tilt
 from .link_ends import OwnWeight, PivotForce, UnevenBending
 from .loads import Load, OwnWeights, StatedForces, Torque, UnevenTilt
+from .past import Past
 
 KINDS: tuple[type[Unnamed], ...] = (
-    Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Along, Zeros, Warmth, PerPayload, Attitude, Bearing,
-    Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, ScaleAnew, GeometryAnew,
-    Product,
+    Tilt, Pair, Torque, Load, OwnWeights, Foot, Side, Past, Clock, Along, ZeroInTime, Zeros, Warmth,
+    PerPayload, Attitude, Bearing, Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, ScaleAnew,
+    GeometryAnew, Product,
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (
@@ -38,8 +40,9 @@ def unnamed(problem: Problem) -> Iterator[Unnamed]:
 
 
 def kind_of(variant: str) -> type[Unnamed] | None:
-    """The kind of function that a variant is a form of."""
-    return next((kind for kind in (*KINDS, *BESIDE) if kind.variant == variant), None)
+    """The kind of function that a variant, with a number behind it or without, is a form of."""
+    kinds = {kind.variant: kind for kind in (*KINDS, *BESIDE)}
+    return kinds.get(variant) or kinds.get(variant.rpartition(" ")[0])
 
 
 def products(problem: Problem, joint: int) -> Iterator[Unnamed]:

@@ -42,6 +42,11 @@ class Unnamed(Effect):
         """What it is a function of, for people."""
 
     @property
+    def like(self) -> str:
+        """What it looks like, for people; nothing where that is not known."""
+        return ""
+
+    @property
     def unit(self) -> str:
         """Unit of the variable."""
         return "rad"

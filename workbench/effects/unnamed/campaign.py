@@ -23,8 +23,8 @@ WITH_TIME = 0.8  # correlation from which a joint goes along with time
 
 @dataclass(frozen=True)
 class Clock(Unnamed, DirectEffect):
-    """Base or tool (`variant`) moves with time, or where none was recorded with the order of measurement.
-    highest: number of its waves."""
+    """Base or tool (`variant`) moves with the order of measurement, where no time was recorded: else that has
+    a name, beside which it stands. highest: number of its waves."""
 
     variant: str = "base"
     size: float = 3e-5
@@ -35,7 +35,12 @@ class Clock(Unnamed, DirectEffect):
 
     @property
     def functions(self) -> int:
-        return 6 * int(self.highest)
+        return self.motions * int(self.highest)
+
+    @property
+    def motions(self) -> int:
+        """Number of what moves, each by waves of its own."""
+        return 6
 
     @property
     def variable(self) -> str:
@@ -47,9 +52,7 @@ class Clock(Unnamed, DirectEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
-        slower = np.tile(np.arange(1, int(self.highest) + 1) ** -1.5, 6)
-        each = self.size * slower / np.linalg.norm(slower)
-        return tuple(Param(f"weight_{k}", "rad", s, spread=s) for k, s in enumerate(map(float, each), 1))
+        return weights_of_waves(self.size, self.highest, self.motions)
 
     @property
     def of_base(self) -> bool:
@@ -61,20 +64,82 @@ class Clock(Unnamed, DirectEffect):
         return np.arange(len(problem.q), dtype=float)
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
-        x = self.x(problem)
-        share = (x - x.min()) / max(float(np.ptp(x)), 1e-12)
-        cosines = np.cos(np.pi * np.outer(share, np.arange(1, int(self.highest) + 1)))
-        return each(range(6) if self.of_base else _flange(problem), cosines)
+        return each(self._columns(problem), waves_over(self.x(problem), self.highest))
+
+    def _columns(self, problem: Problem) -> Sequence[int]:
+        return range(6) if self.of_base else _flange(problem)
+
+    @classmethod
+    def of(cls, problem: Problem) -> Sequence[Clock]:
+        """Of base and tool, by what was recorded."""
+        return [
+            cls(variant=f"{which} in {_recorded(problem)}", highest=highest)
+            for highest in waves_shown(problem)
+            for which in ("base", "tool")
+        ]
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Clock]:
-        timed = problem.time is not None and np.ptp(problem.time) > 0
-        visits = 1 + int(np.count_nonzero(np.diff(problem.positions)))
-        highest = min(visits // VISITS_PER_WAVE, WAVES_IN_TIME)
-        if not highest:
-            return []
-        variants = [f"{which} in {'time' if timed else 'order'}" for which in ("base", "tool")]
-        return [cls(variant=variant, highest=float(highest)) for variant in variants]
+        return [] if _recorded(problem) == "time" else cls.of(problem)
+
+
+@dataclass(frozen=True)
+class ZeroInTime(Clock):
+    """The zero of one joint moves with time, or where none was recorded with the order of measurement: in
+    steps, say, as a coupling that slips."""
+
+    variant: str = "zero in time"
+    size: float = 5e-5
+
+    @property
+    def motions(self) -> int:
+        return 1
+
+    @property
+    def variable(self) -> str:
+        return f"{super().variable} (the zero of {self.where.joint} moves)"
+
+    @property
+    def like(self) -> str:
+        return f"a zero of {self.where.joint} that moves in the course of the campaign"
+
+    def _columns(self, problem: Problem) -> Sequence[int]:
+        return [int(problem.arm.axial[problem.joint(self.where.joint)])]
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Clock]:
+        variant = f"zero in {_recorded(problem)}"
+        return [
+            cls(Where(joint=problem.arm.names[j]), variant, highest=highest)
+            for highest in waves_shown(problem)
+            for j in moving(problem)
+        ]
+
+
+def _recorded(problem: Problem) -> str:
+    """What tells when a pose was measured."""
+    return "time" if problem.time is not None and np.ptp(problem.time) > 0 else "order"
+
+
+def waves_over(x: Array, highest: float) -> Array:
+    """(N, highest) cosines over the range of x (N,), of half a wave and its multiples."""
+    share = (x - x.min()) / max(float(np.ptp(x)), 1e-12)
+    return np.asarray(np.cos(np.pi * np.outer(share, np.arange(1, int(highest) + 1))))
+
+
+def weights_of_waves(size: float, highest: float, motions: int) -> tuple[Param, ...]:
+    """Weights of such waves, of each motion by itself, together as large as a size [rad, m]; sharp ones are
+    smaller."""
+    slower = np.tile(np.arange(1, int(highest) + 1) ** -1.5, motions)
+    each = size * slower / np.linalg.norm(slower)
+    return tuple(Param(f"weight_{k}", "rad", s, spread=s) for k, s in enumerate(map(float, each), 1))
+
+
+def waves_shown(problem: Problem) -> list[float]:
+    """Number of waves that a campaign can show; nothing where it can show none."""
+    visits = 1 + int(np.count_nonzero(np.diff(problem.positions)))
+    highest = min(visits // VISITS_PER_WAVE, WAVES_IN_TIME)
+    return [float(highest)] if highest else []
 
 
 @dataclass(frozen=True)

@@ -42,6 +42,10 @@ class ByInstrument(Unnamed, InstrumentEffect):
         return _bearing(problem.campaign.points)
 
     @property
+    def like(self) -> str:
+        return "the instrument's own error, not the robot's"
+
+    @property
     def lasting(self) -> bool:
         return False
 

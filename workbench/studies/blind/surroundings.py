@@ -64,8 +64,10 @@ def _scale(problem: Problem, effect: ThermalGrowth, rng: np.random.Generator) ->
 def drift(problem: Problem, effect: Drift, rng: np.random.Generator) -> Hidden:
     """A way that is slightly curved in time."""
     assert problem.time is not None
+    if effect.free:  # any course
+        effect = Drift(variant=effect.variant.split(" ")[0], start=effect.start)
     span = float(np.ptp(problem.time))
-    way = rng.normal(size=len(effect.params))
+    way, columns = rng.normal(size=len(effect.params)), list(effect.motion(problem))
     unit = 1e-8 * way / np.linalg.norm(way[:3])
     bend = rng.uniform(-0.4, 0.4)
 
@@ -73,7 +75,7 @@ def drift(problem: Problem, effect: Drift, rng: np.random.Generator) -> Hidden:
         def motion(problem: Problem) -> Mapping[int, Array]:
             assert problem.time is not None
             since = problem.time * (1 + bend * (problem.time / span - 0.5))
-            return {c: size * v * since for c, v in enumerate(unit)}
+            return {c: size * v * since for c, v in zip(columns, unit, strict=True)}
 
         return Truth(motion=motion)
 
