@@ -41,9 +41,9 @@ def json_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def seed_option(parser: argparse.ArgumentParser, of: str) -> None:
+def seed_option(parser: argparse.ArgumentParser, of: str, default: int = 0) -> None:
     """`--seed`; of: what is drawn at random."""
-    parser.add_argument("--seed", type=from_zero, default=0, metavar="N", help=f"of {of} (0)")
+    parser.add_argument("--seed", type=from_zero, default=default, metavar="N", help=f"of {of} ({default})")
 
 
 def quick_option(parser: argparse.ArgumentParser, how: str) -> None:
