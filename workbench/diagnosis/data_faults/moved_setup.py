@@ -249,7 +249,7 @@ def _left_by(gain: float, chi2: float, dof: float) -> float:
 
 def _beside_joints(result: Fit, step: Array) -> float:
     """Statistic of a step when smooth functions of joints, stiffness, payload, warmth and sag are taken out
-    first, each up to many times its usual size.
+    first; where these are as many as the data, each up to many times its usual size.
 
     Poses measured joint by joint, load by load, or while the arm warms up, would else let their errors look
     like a step.
@@ -260,14 +260,20 @@ def _beside_joints(result: Fit, step: Array) -> float:
     return _beside(result, step, [*smooth, sag(result)], held=MANY * problem.coarse)
 
 
+def _as_many(result: Fit, n: int) -> bool:
+    """Whether n columns and the fit's own are as many as the data."""
+    return result.J.shape[2] + n > 0.6 * result.point_rows
+
+
 def _beside(result: Fit, step: Array, smooth: Sequence[Array], held: float = np.inf) -> float:
-    """Statistic of a step (N, D, 6) when other columns are taken out first, each up to about `held` times;
-    none where these are as many as the data and not held."""
+    """Statistic of a step (N, D, 6) when other columns are taken out first; where these are as many as the
+    data each up to about `held` times, and none where they may be without end."""
     n = sum(columns.shape[2] for columns in smooth)
-    if result.J.shape[2] + n * (held == np.inf) > 0.6 * result.point_rows:
+    many = _as_many(result, n)
+    if many and (held == np.inf or _as_many(result, 0)):
         return 0.0
     S, u, own = reduce_columns(result, np.concatenate([*smooth, step], axis=2))
-    S[np.arange(n), np.arange(n)] += held**-2.0
+    S[np.arange(n), np.arange(n)] += many * held**-2.0
     length = np.sqrt(np.maximum(own, 1e-12 * own.max()))  # what moves nothing stays nothing
     S, u = S / np.outer(length, length), u / length
     size, axes = np.linalg.eigh(S[:n, :n])
