@@ -45,3 +45,20 @@ def test_an_instrument_that_moved_in_one_of_several_campaigns_is_told_by_its_pos
     assert campaign.setup_names == ("first", "second", "second after pose second/25")
     assert np.bincount(campaign.poses.setup).tolist() == [40, 25, 15]
     assert campaign.seen.all()
+
+
+def test_a_tool_that_slips_is_found_among_few_poses_of_one_target():
+    """Smooth functions of the joints are as many there as the data, but none so large as to stand in for it;
+    nor is a strong error of one joint's own angle such a step."""
+
+    def slip(problem):
+        after = np.arange(len(problem.q)) >= 30
+        return {6 * (problem.arm.n + 1) + k: far * after for k, far in enumerate((4e-4, -3e-4, 3e-4))}
+
+    slipped = measured("ur5", poses=64, loads=(), targets=1, seed=8, sigma=2e-5, motion=slip)
+    (fault,) = prepare(slipped).faults
+    assert (fault.kind, fault.pose_id) == ("changed_setup", slipped.poses.ids[30])
+    mapped = measured(
+        "ur5", ("joint_map:joint=elbow_joint",), poses=64, loads=(), targets=1, seed=8, sigma=2e-5
+    )
+    assert prepare(mapped).faults == ()
