@@ -15,6 +15,7 @@ from ..campaign.problem import Problem
 from ..campaign.same_robot import check_same_robot
 from ..effects.base import Effect
 from ..identification.fit import Fit
+from ..identification.heldout import heldout
 from .candidates import testable
 from .data_faults.changed_between import changed_between
 from .data_faults.moved_setup import step_in_time
@@ -25,6 +26,8 @@ from .result import Diagnosis, NotTestable
 from .search.also_yields import with_what_also_yields
 from .search.competition import Selection, compete
 from .search.off_form import with_own_forms
+from .search.rounds import BETTER
+from .search.stages import rms_mm
 from .search.worth import worth_it
 from .telling.findings import Parts, assemble
 
@@ -95,8 +98,10 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
         if mended is None:
             break
         progress("testing causes without the data faults that they hid")
-        prepared = mended
-        found, not_testable = _searched(prepared, seed, progress)
+        again, missing_then = _searched(mended, seed, progress)
+        if _split(mended, prepared) and not _tells_more(again, found, seed):
+            break
+        prepared, found, not_testable = mended, again, missing_then
     progress("writing down what was found")
     missing = (*not_testable, *found.not_testable)
     parts = Parts(found.prepared, found.selection, found.candidates, missing, seed, test, found.said)
@@ -117,6 +122,18 @@ def _mended(prepared: Prepared, found: Searched) -> Prepared | None:
         return prepared.counted(problem, moved)
     step = step_in_time(replace(found.selection.fit, noise=found.prepared.covariance).lasting)
     return None if step is None else prepared.split(step)
+
+
+def _split(mended: Prepared, prepared: Prepared) -> bool:
+    """Whether what was mended is a step in time, with which a set-up begins."""
+    return len(mended.problem.campaign.setup_names) > len(prepared.problem.campaign.setup_names)
+
+
+def _tells_more(step: Searched, found: Searched, seed: int) -> bool:
+    """Whether poses that were held out are surely nearer with a step than with what took it up: what goes
+    smoothly by the order of measurement leaves something that looks like one."""
+    with_it, without = (rms_mm(heldout(one.selection.fit, seed=seed)) for one in (step, found))
+    return with_it < BETTER * without
 
 
 def _searched(prepared: Prepared, seed: int, progress: Progress) -> tuple[Searched, tuple[NotTestable, ...]]:
