@@ -59,8 +59,8 @@ def statuses(outcome):
 
 @pytest.fixture(scope="module")
 def open_tie(tmp_path_factory):
-    plan, rig = demo.prepared(1, 100)
-    campaign = demo._measured(tmp_path_factory.mktemp("demo") / "campaign", rig, plan, 1)
+    plan, rig = demo.prepared(3, 100)
+    campaign = demo._measured(tmp_path_factory.mktemp("demo") / "campaign", rig, plan, 0)
     return rig, campaign, what_decides(diagnose(campaign))
 
 
@@ -70,7 +70,7 @@ def test_the_demos_tie_is_settled_by_the_poses_that_it_asks_for(open_tie, tmp_pa
     said = first.diagnosis.headline
     assert "not decided: joint compliance in joint_3 or" in said
     assert "joint_3" not in said.partition(";")[0]  # nothing open is found
-    words, command, outcome = demo._settled(tmp_path, rig, campaign, first, 1, lambda _: None)
+    words, command, outcome = demo._settled(tmp_path, rig, campaign, first, 3, lambda _: None)
     assert "--tell" in command
     assert set(statuses(outcome).values()) == {"named"}
     assert set(statuses(outcome)) == {

@@ -12,7 +12,7 @@ from .status import progress
 def add(commands: Commands) -> None:
     parser = commands.add_parser("demo", help="the whole loop on a simulated robot")
     out_option(parser, "folder for the campaign, the page and the proof (reports/demo)", "reports/demo")
-    seed_option(parser, "poses, hidden geometry and noise", default=1)
+    seed_option(parser, "poses, hidden geometry and noise", default=3)
     quick_option(parser, "fewer poses, a smaller circle")
     json_option(parser)
     parser.set_defaults(run=run)
