@@ -35,18 +35,16 @@ def plausible_geometry(geometry: Fit) -> Fit:
     to be nearer. Raises InputError where that is too far as well.
 
     Strong faults that the model does not have bend the geometry without end along what hardly shows in the
-    data, as these are believed to the noise. They are not, the less the more there are: the priors count by
-    as much as they misfit, and by twice as much again until the geometry is a machine's.
+    data, as these are believed to the noise. They are not, and by as much as they misfit the priors count.
     """
     said = _farthest(geometry)
     if said is None:
         return geometry
-    held, near = max(1.0, float(np.sqrt(geometry.chi2 / geometry.point_rows))), geometry
-    while _farthest(near) is not None:
-        near = fit(geometry.model, start_state(geometry.model.problem), geometry.noise.times(held))
-        if np.sqrt(np.nanmean(near.residual**2)) > FAULTS * _reach(geometry.model.problem):
-            raise InputError(said)
-        held *= 2
+    held = geometry.noise.times(max(1.0, float(np.sqrt(geometry.chi2 / geometry.point_rows))))
+    near = fit(geometry.model, start_state(geometry.model.problem), held)
+    left = np.sqrt(np.nanmean(near.residual**2))
+    if _farthest(near) is not None or left > FAULTS * _reach(geometry.model.problem):
+        raise InputError(said)
     return fit(geometry.model, near.state, geometry.noise, max_iterations=1)
 
 

@@ -32,6 +32,8 @@ class NamedCause:
         return [effect for effect in self.kind.sites(problem) if self._fits(effect)]
 
     def _fits(self, effect: Effect) -> bool:
+        if effect.rare and effect.free and ("variant", effect.variant) not in self.asked:
+            return False  # by no law: that is like anything, and asked for by its name alone
         for key, value in self.asked:
             if key == "variant" and value not in (effect.variant, effect.variant.split(" ")[0]):
                 return False
