@@ -43,8 +43,8 @@ def unchanged(decided: Decided) -> Iterator[Unchanged]:
 def _unchanged(
     decided: Decided, candidate: Candidate, shape: Shape, part: slice, found: Sequence[Array]
 ) -> Iterator[Unchanged]:
-    """found: columns of the members."""
-    if shape.main >= MANY or len(shape.sizes) == 0:
+    """found: columns of the members. The weights of a free function are nobody's numbers."""
+    if shape.free or shape.main >= MANY or len(shape.sizes) == 0:
         return
     index = np.arange(part.start, part.start + shape.main)
     S, u = (x[0] for x in decided.chosen.left_of(index[None]))
