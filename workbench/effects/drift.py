@@ -17,7 +17,7 @@ from .kinds import DirectEffect
 from .place import Parameter
 from .travel import rms
 from .unnamed.base import each
-from .unnamed.campaign import Clock, waves_over, waves_shown, weights_of_waves
+from .unnamed.campaign import Clock, flange_of, recorded, waves_over, waves_shown, weights_of_waves
 
 WAYS = ("shift", "shift+turn", "tool")
 RATES = ("rate_x", "rate_y", "rate_z")
@@ -99,7 +99,7 @@ class Drift(DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Drift]:
-        if problem.time is None or np.ptp(problem.time) == 0:
+        if recorded(problem) != "time":
             return []
         start, _ = start_and_span(problem)
         freely = [
@@ -138,9 +138,9 @@ class Drift(DirectEffect):
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         if problem.time is None:
             return {}
-        first = 6 * (problem.arm.n + 1) if self.of_tool else 0
+        columns = flange_of(problem) if self.of_tool else range(6 if self.turns else 3)
         course = waves_over(problem.time, self.highest) if self.highest else self._gone(problem)[:, None]
-        return dict(each(range(first, first + (6 if self.turns else 3)), course))
+        return each(columns, course)
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         # with a turn: at one metre from the origin

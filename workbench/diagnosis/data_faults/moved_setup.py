@@ -260,20 +260,16 @@ def _beside_joints(result: Fit, step: Array) -> float:
     return _beside(result, step, [*smooth, sag(result)], held=MANY * problem.coarse)
 
 
-def _as_many(result: Fit, n: int) -> bool:
-    """Whether n columns and the fit's own are as many as the data."""
-    return result.J.shape[2] + n > 0.6 * result.point_rows
-
-
 def _beside(result: Fit, step: Array, smooth: Sequence[Array], held: float = np.inf) -> float:
     """Statistic of a step (N, D, 6) when other columns are taken out first; where these are as many as the
     data each up to about `held` times, and none where they may be without end."""
     n = sum(columns.shape[2] for columns in smooth)
-    many = _as_many(result, n)
-    if many and (held == np.inf or _as_many(result, 0)):
+    room = 0.6 * result.point_rows - result.J.shape[2]
+    if room < (n if held == np.inf else 0):
         return 0.0
     S, u, own = reduce_columns(result, np.concatenate([*smooth, step], axis=2))
-    S[np.arange(n), np.arange(n)] += many * held**-2.0
+    if n > room:
+        S[np.arange(n), np.arange(n)] += held**-2.0
     length = np.sqrt(np.maximum(own, 1e-12 * own.max()))  # what moves nothing stays nothing
     S, u = S / np.outer(length, length), u / length
     size, axes = np.linalg.eigh(S[:n, :n])

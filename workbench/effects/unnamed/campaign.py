@@ -67,20 +67,20 @@ class Clock(Unnamed, DirectEffect):
         return each(self._columns(problem), waves_over(self.x(problem), self.highest))
 
     def _columns(self, problem: Problem) -> Sequence[int]:
-        return range(6) if self.of_base else _flange(problem)
+        return range(6) if self.of_base else flange_of(problem)
 
     @classmethod
     def of(cls, problem: Problem) -> Sequence[Clock]:
         """Of base and tool, by what was recorded."""
         return [
-            cls(variant=f"{which} in {_recorded(problem)}", highest=highest)
+            cls(variant=f"{which} in {recorded(problem)}", highest=highest)
             for highest in waves_shown(problem)
             for which in ("base", "tool")
         ]
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Clock]:
-        return [] if _recorded(problem) == "time" else cls.of(problem)
+        return [] if recorded(problem) == "time" else cls.of(problem)
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class ZeroInTime(Clock):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Clock]:
-        variant = f"zero in {_recorded(problem)}"
+        variant = f"zero in {recorded(problem)}"
         return [
             cls(Where(joint=problem.arm.names[j]), variant, highest=highest)
             for highest in waves_shown(problem)
@@ -116,7 +116,7 @@ class ZeroInTime(Clock):
         ]
 
 
-def _recorded(problem: Problem) -> str:
+def recorded(problem: Problem) -> str:
     """What tells when a pose was measured."""
     return "time" if problem.time is not None and np.ptp(problem.time) > 0 else "order"
 
@@ -288,7 +288,7 @@ class PerPayload(Unnamed, DirectEffect):
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         carried = problem.campaign.poses.payload
         present = np.unique(carried)[1:]
-        return each(_flange(problem), (carried[:, None] == present).astype(float))
+        return each(flange_of(problem), (carried[:, None] == present).astype(float))
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
@@ -323,7 +323,7 @@ class Attitude(Unnamed, DirectEffect):
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         R = problem.rigid.R[-1]
         way = np.column_stack([R[:, :, 2], R[:, :, 0], np.tanh(8 * R[:, :, 2])])
-        return each(_flange(problem), way)
+        return each(flange_of(problem), way)
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
@@ -335,7 +335,7 @@ def _turning(problem: Problem) -> list[int]:
     return [int(column) for column in problem.arm.axial[~problem.arm.prismatic]]
 
 
-def _flange(problem: Problem) -> range:
+def flange_of(problem: Problem) -> range:
     """Columns of the flange's motions."""
     first = 6 * (problem.arm.n + 1)
     return range(first, first + 6)
