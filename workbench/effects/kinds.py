@@ -30,10 +30,9 @@ class DirectEffect(Effect):
         """Column 6 · slot + component → (N, p) motion [m, rad] per unit of each parameter."""
 
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
-        out = np.zeros((*line.direct.shape[:2], len(self.params)))
-        for column, basis in self.motion(problem).items():
-            out += line.direct[:, :, column, None] * basis[:, None, :]
-        return out
+        own = self.motion(problem).items()
+        each = (line.direct[:, :, column, None] * basis[:, None, :] for column, basis in own)
+        return sum(each, start=np.zeros((1, 1, 1)))
 
 
 class TransmissionEffect(DirectEffect):

@@ -86,7 +86,7 @@ class Fit:
         kept = [e for e in self.model.effects if e.lasting or e.dated]
         return self if len(kept) == len(self.model.effects) else refit(self, kept)
 
-    @property
+    @cached_property
     def covariance(self) -> Array:
         """(P, P) covariance of the fitted numbers."""
         half = solve_triangular(self.upper, np.eye(len(self.upper))).T * self.columns.prior

@@ -7,6 +7,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cholesky
+from scipy.linalg.lapack import dpotri
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
@@ -66,9 +68,15 @@ def _folds(result: Fit, folds: int, seed: int) -> list[Fold]:
         known[folds, seed] = []
         for here in groups:
             own = J[here].reshape(-1, J.shape[2])
-            inverse = np.asarray(np.linalg.inv(without_rows(A, own)), dtype=np.float64)
+            inverse = inverse_of(without_rows(A, own))
             known[folds, seed].append((here, -inverse @ (own.T @ result.r[here].ravel()), inverse))
     return known[folds, seed]
+
+
+def inverse_of(A: Array) -> Array:
+    """(P, P) inverse of normal equations."""
+    upper = np.triu(dpotri(cholesky(A, check_finite=False))[0])
+    return np.asarray(upper + np.triu(upper, 1).T)
 
 
 def without_rows(A: Array, own: Array) -> Array:

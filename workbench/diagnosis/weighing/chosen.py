@@ -9,7 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+from scipy.linalg.blas import dtrmm
+from scipy.linalg.lapack import dlauum, dtrtri
 from scipy.sparse import csc_array
 
 from ...robot.kinematics import Array
@@ -59,13 +61,16 @@ class Chosen:
 
     @cached_property
     def _half(self) -> Array:
-        """(c, c) H with H Hᵀ = M."""
-        return np.asarray(solve_triangular(self._upper, np.eye(len(self.index)), check_finite=False))
+        """(c, c) triangular H with H Hᵀ = M."""
+        return np.asarray(dtrtri(self._upper)[0]) if len(self.index) else np.zeros((0, 0))
 
     @cached_property
     def inverse(self) -> Array:
         """(c, c) M."""
-        return np.asarray(self._half @ self._half.T)
+        if not len(self.index):
+            return np.zeros((0, 0))
+        upper = np.triu(dlauum(self._half)[0])
+        return np.asarray(upper + np.triu(upper, 1).T)
 
     def _cross(self, index: Index) -> Array:
         """(F, p, c) of blocks of columns (F, p) with the set's own, the last ones asked for kept."""
@@ -75,7 +80,10 @@ class Chosen:
 
     @cached_property
     def beta(self) -> Array:
-        return np.asarray(self.inverse @ self.reduced.u[self.index])
+        u = self.reduced.u[self.index]
+        if "inverse" in self.__dict__ or not len(u):
+            return np.asarray(self.inverse @ u)
+        return np.asarray(cho_solve((self._upper, False), u, check_finite=False))
 
     @cached_property
     def explained(self) -> float:
@@ -120,7 +128,7 @@ class Chosen:
         flat = cross.reshape(-1, len(self.index))
         u = u - cross @ self.beta
         if without is None:
-            half = (flat @ self._half).reshape(cross.shape)
+            half = dtrmm(1.0, self._half, flat.T, trans_a=1).T.reshape(cross.shape)  # flat H
             S = S - half @ half.swapaxes(1, 2)
         else:
             K = (flat @ self.inverse).reshape(cross.shape)

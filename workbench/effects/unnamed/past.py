@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import accumulate
 from typing import ClassVar
 
 import numpy as np
@@ -53,10 +53,11 @@ class Past(Unnamed, TransmissionEffect):
 
     def of_joint(self, problem: Problem) -> tuple[int, Array]:
         moves, order = self.x(problem), _order(problem)
-        side, kept = np.sign(moves)[:, None], np.exp(-np.abs(moves)[:, None] / FORGETS)
+        side, kept = np.sign(moves), np.exp(-np.abs(moves)[:, None] / FORGETS)
         z = np.zeros_like(kept)
-        for before, now in pairwise(order):
-            z[now] = side[now] + (z[before] - side[now]) * kept[now]
+        for own, k in zip(z.T, kept.T, strict=True):
+            to = zip(side[order[1:]].tolist(), k[order[1:]].tolist(), strict=True)
+            own[order] = [*accumulate(to, lambda before, s: s[0] + (before - s[0]) * s[1], initial=0.0)]
         return problem.joint(self.where.joint), np.column_stack([z, moves / np.pi])
 
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 
 from ...robot.kinematics import Array
 from ..fit import Fit
@@ -48,6 +50,16 @@ class LeftOut:
         return LeftOut(*(getattr(self, name)[here] for name in LeftOut.__annotations__))
 
 
+@dataclass(frozen=True)
+class Apart:
+    """Points `which` (k,) of all that are looked at, as a fit without their poses has them: but for `fitted`,
+    and its normal equations A (P, P), in units of the priors."""
+
+    which: NDArray[np.int64]
+    out: LeftOut
+    A: Array
+
+
 class Leaver:
     """Leaves poses out of a fit, again and again. points: (T,) which targets are looked at; turns: not where
     they are, but how the tool that carries them is turned."""
@@ -55,42 +67,55 @@ class Leaver:
     def __init__(self, fit: Fit, points: NDArray[np.bool_], turns: bool = False) -> None:
         self.fit = fit
         count, targets = fit.residual.shape[:2]
-        self.used = fit.model.problem.seen & points & (fit.noise.weight > 0)[:, None]
-        turned = turns_of(fit.line.prediction.points, self.used) if turns else np.zeros(0)
+        used = fit.model.problem.seen & points & (fit.noise.weight > 0)[:, None]
+        turned = turns_of(fit.line.prediction.points, used) if turns else np.zeros(0)
         if turns:
-            self.used = self.used.sum(axis=1, keepdims=True) >= RIGID
+            used = used.sum(axis=1, keepdims=True) >= RIGID
 
         def looked_at(motions: Array) -> Array:
             """(N, T or 1, 3, k) of the points' (N, 3 T, k)."""
             return (turned @ motions)[:, None] if turns else motions.reshape(count, targets, 3, -1)
 
-        self.plain = looked_at((fit.motions * fit.columns.prior)[:, : 3 * targets])
-        self.error = looked_at(np.nan_to_num(fit.residual).reshape(count, -1, 1))[..., 0]
+        self.pose, of = np.nonzero(used)
+        self.plain = looked_at((fit.motions * fit.columns.prior)[:, : 3 * targets])[self.pose, of]
+        self.error = looked_at(np.nan_to_num(fit.residual).reshape(count, -1, 1))[self.pose, of, :, 0]
         self.J = fit.J * fit.columns.prior
         self.A = fit.upper.T @ fit.upper
-        self.seen, self.scatter = (_squared(looked_at(half)) for half in _noise(fit))
-        self.regions = list(regions(fit.model.problem.q))
+        noise = (_squared(looked_at(half)) for half in _noise(fit))
+        self.seen, self.scatter = (each[self.pose, of] for each in noise)
 
     def leave(self, here: NDArray[np.bool_], beyond: Array, variance: float) -> LeftOut:
         """The poses `here` (N,) left out; beyond: (N,) as in `LeftOut`; variance: as in `tempered`."""
+        apart = self._apart(here)
+        return replace(self._at(variance, apart), beyond=beyond[apart.out.pose])
+
+    def _apart(self, here: NDArray[np.bool_]) -> Apart:
         own = self.J[here].reshape(-1, self.J.shape[2])
         left = without_rows(self.A, own)
         change = -np.linalg.solve(left, own.T @ self.fit.r[here].ravel())
-        inverse = np.linalg.inv(tempered(left, variance))
-        plain = self.plain[here]
-        error = self.error[here] - plain @ change
-        fitted = np.einsum("ntip,ntjp->ntij", plain @ inverse, plain)
-        mask = self.used[here]
-        of, _ = np.nonzero(mask)
-        pose = np.flatnonzero(here)[of]
-        scatter, seen = self.scatter[here][mask], self.seen[here][mask]
-        return LeftOut(error[mask], fitted[mask], scatter, seen, beyond[pose], pose)
+        which = np.flatnonzero(here[self.pose])
+        error, seen = self.error[which] - self.plain[which] @ change, self.seen[which]
+        out = LeftOut(error, 0 * seen, self.scatter[which], seen, np.zeros(len(which)), self.pose[which])
+        return Apart(which, out, left)
 
-    def by_position(self, variance: float, seed: int = 0) -> LeftOut:
+    def _at(self, variance: float, apart: Apart) -> LeftOut:
+        lower = np.linalg.cholesky(tempered(apart.A, variance))
+        plain = self.plain[apart.which].reshape(-1, len(lower))
+        half = solve_triangular(lower, plain.T, lower=True, check_finite=False).T.reshape(-1, 3, len(lower))
+        return replace(apart.out, fitted=_squared(half))
+
+    @cached_property
+    def _positions(self) -> list[Apart]:
+        fold = folds_of(self.fit.model.problem, FOLDS, seed=0)
+        return [self._apart(fold == f) for f in range(fold.max() + 1)]
+
+    @cached_property
+    def _regions(self) -> list[Apart]:
+        return [self._apart(here) for here in regions(self.fit.model.problem.q)]
+
+    def by_position(self, variance: float) -> LeftOut:
         """Every pose once, in groups of positions drawn at random."""
-        fold = folds_of(self.fit.model.problem, FOLDS, seed)
-        inside = np.zeros(len(fold))
-        return joined([self.leave(fold == f, inside, variance) for f in range(fold.max() + 1)])
+        return joined([self._at(variance, apart) for apart in self._positions])
 
     def by_part(self, variance: float) -> LeftOut:
         """The poses of each part of the campaign, in the order of measurement within its set-ups: a part may
@@ -109,8 +134,7 @@ class Leaver:
 
     def by_region(self, variance: float) -> list[LeftOut]:
         """The poses of each region of joint space, a corner among others: see `regions`."""
-        inside = np.zeros(len(self.fit.model.problem.q))
-        return [self.leave(here, inside, variance) for here in self.regions]
+        return [self._at(variance, apart) for apart in self._regions]
 
     def by_end(self, variance: float) -> Iterator[LeftOut]:
         """The poses at each end of each joint's range."""
