@@ -26,7 +26,7 @@ def page(folder: Path, name: str, seed: int) -> seeds.Page:
         began = time.process_time()
         run_published((name,), StudyRun(where, seed=seed, quick=True, workers=1, resume=True))
         print(f"{name}, seed {seed}: {time.process_time() - began:.0f} s of CPU", flush=True)
-    return seeds.read_page(where, seed)
+    return seeds.read_page(where)
 
 
 def main(folder: Path, count: int, names: tuple[str, ...]) -> int:

@@ -111,8 +111,6 @@ def diagnosis(n_poses: int = 200, loads: int = 2, seed: int = 0) -> Diagnosis:
             "Frame": "fitted together with the targets, on all poses of a stage",
         },
         errors=errors,
-        joints=tuple(f"joint_{i}" for i in range(1, 7)),
-        q=q,
         version="0.1.0",
         inputs={
             "campaign.toml": "9f2c4b7d" * 8,
@@ -197,8 +195,6 @@ def bare() -> Diagnosis:
         unidentifiable=(),
         facts={},
         errors=None,
-        q=None,
-        joints=(),
         inputs={},
     )
 

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from extended_example import extended, extended_kr500
+from held_still import hold
 
 from workbench.campaign.problem import Problem
 from workbench.correction.command import compensate
@@ -40,7 +41,7 @@ from workbench.simulation.closed_loop.gears import Gears
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.measures import figures, main_lines, path_accuracy
 from workbench.simulation.closed_loop.mechanics import mechanics
-from workbench.simulation.closed_loop.motion import hold, motion
+from workbench.simulation.closed_loop.motion import motion
 from workbench.simulation.closed_loop.page import page as whole_page
 from workbench.simulation.closed_loop.pictures import pictures, sweep_picture
 from workbench.simulation.closed_loop.repeatability import repeatability

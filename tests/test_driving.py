@@ -31,7 +31,7 @@ from workbench.measurement.driving.files import comments, programs
 from workbench.measurement.driving.page import PlanPage, page_files
 from workbench.measurement.driving.reach import Reach, reach
 from workbench.measurement.driving.scene import _unhidden
-from workbench.measurement.driving.tour import length, shortest
+from workbench.measurement.driving.tour import shortest
 from workbench.measurement.driving.ways import Ways
 from workbench.report.meshcat_page import ASIDE, camera
 from workbench.robot.hulls import robot_hulls
@@ -216,6 +216,11 @@ def test_the_camera_does_not_stand_behind_a_fence() -> None:
 
 
 # ---------------------------------------------------------------- order
+
+
+def length(time, order):
+    """Time of a closed tour."""
+    return float(time[order, np.roll(order, -1)].sum())
 
 
 def test_a_tour_is_nearly_the_shortest() -> None:

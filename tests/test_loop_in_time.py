@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from extended_example import extended
+from held_still import hold
 from pydantic import ValidationError
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
@@ -40,7 +41,7 @@ from workbench.simulation.closed_loop.gears import Gears
 from workbench.simulation.closed_loop.limits import Limits, OverLimit
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.mechanics import mechanics
-from workbench.simulation.closed_loop.motion import hold, motion
+from workbench.simulation.closed_loop.motion import motion
 from workbench.simulation.closed_loop.rest import rest
 from workbench.simulation.closed_loop.runs import Task, World, simulate
 from workbench.simulation.closed_loop.simulation import first_step, run

@@ -20,7 +20,7 @@ from workbench.diagnosis.first_look import first_look
 from workbench.effects import catalogue
 from workbench.files.faults import InputError
 from workbench.identification import parameters
-from workbench.identification.plausible import check_plausible, judge, plausible_geometry
+from workbench.identification.plausible import believed, judge, plausible_geometry
 from workbench.report.first_look import check_campaign
 from workbench.robot import rotations
 from workbench.robot.description import load_robot
@@ -28,6 +28,11 @@ from workbench.robot.kinematics import frames
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 from workbench.studies.blind.cases import draw_case
+
+
+def remarks(problem):
+    return believed(problem)[1]
+
 
 ROBOTS = ("ur5", "kr500", "6R")
 
@@ -86,7 +91,7 @@ BLUNDERS = {
 def test_a_mistake_is_named_with_its_mend(blunder, name):
     spoil, said = BLUNDERS[blunder]
     with pytest.raises(InputError) as caught:
-        check_plausible(problem_of(spoil(honest(name))))
+        believed(problem_of(spoil(honest(name))))
     assert said in str(caught.value)
 
 
@@ -94,14 +99,14 @@ def test_a_mistake_is_named_without_stated_targets():
     spoil, said = BLUNDERS["inches as mm"]
     blind = replace(honest(count=1), targets=(Target("T1"),))
     with pytest.raises(InputError) as caught:
-        check_plausible(problem_of(spoil(blind)))
+        believed(problem_of(spoil(blind)))
     assert said in str(caught.value)
 
 
 def test_two_mistakes_at_once_are_both_named():
     spoilt = points(flip(2)(honest()), lambda z: z / 25.4)
     with pytest.raises(InputError) as caught:
-        check_plausible(problem_of(spoilt))
+        believed(problem_of(spoilt))
     assert {fault.place for fault in caught.value.faults} == {"campaign.toml: poses", "campaign.toml: points"}
     assert "turns the other way" in str(caught.value)
     assert "inches" in str(caught.value)
@@ -110,7 +115,7 @@ def test_two_mistakes_at_once_are_both_named():
 def test_the_right_robot_is_named():
     other = load_robot("ur10")
     with pytest.raises(InputError, match='say robot = "ur5"'):
-        check_plausible(problem_of(replace(honest(), robot=other)))
+        believed(problem_of(replace(honest(), robot=other)))
 
 
 def shuffled(z):
@@ -128,7 +133,7 @@ def shuffled(z):
 )
 def test_what_fits_nothing_is_refused(spoil):
     with pytest.raises(InputError) as caught:
-        check_plausible(problem_of(points(honest(), spoil)))
+        believed(problem_of(points(honest(), spoil)))
     assert any(word in str(caught.value) for word in ("none of the usual mistakes", "a robot of 0.87"))
 
 
@@ -165,7 +170,7 @@ IN_PART = {
 def test_a_mistake_of_a_part_of_the_poses_says_which(case):
     spoil, said = IN_PART[case]
     with pytest.raises(InputError) as caught:
-        check_plausible(problem_of(points(honest(), spoil)))
+        believed(problem_of(points(honest(), spoil)))
     assert said in str(caught.value)
 
 
@@ -175,7 +180,7 @@ def test_a_sign_turned_at_poses_here_and_there_is_named(share):
     some = np.random.default_rng(1).permutation(40) < 40 * share
     half = joints(honest(), lambda q: q.__setitem__((some, 2), -q[some, 2]))
     with pytest.raises(InputError) as caught:
-        check_plausible(problem_of(half))
+        believed(problem_of(half))
     (said,) = str(caught.value).splitlines()
     assert f"at {some.sum()} of 40 poses" in said
     assert "turns the other way round" in said
@@ -208,9 +213,9 @@ def test_targets_stated_in_a_tool_frame_are_found(fixed):
     stated = replace(other, targets=(replace(other.targets[0], xyz=(x, y, z + 0.3), fixed=fixed),))
     if fixed:
         with pytest.raises(InputError, match="300\\) mm from where they are stated"):
-            check_plausible(problem_of(stated))
+            believed(problem_of(stated))
         return
-    (told,) = check_plausible(problem_of(stated))
+    (told,) = remarks(problem_of(stated))
     assert "(+0, +0, -300) mm from where they are stated" in told
 
 
@@ -271,10 +276,10 @@ def test_turns_of_a_6d_measurement_read_otherwise_are_named(case):
     read, said = READ[case]
     problem = problem_of(framed(read))
     if said is None:
-        assert check_plausible(problem) == []
+        assert remarks(problem) == []
         return
     with pytest.raises(InputError) as caught:
-        check_plausible(problem)
+        believed(problem)
     assert said in str(caught.value)
 
 
@@ -325,7 +330,7 @@ def test_wild_points_do_not_make_an_inaccurate_robot_another_one():
     rough = simulate(plan, Truth(geometry=geometry, sigma=3e-5), seed=5)
     z = rough.points.copy()
     z[[3, 17, 30], [0, 1, 2]] += 0.4
-    (said,) = check_plausible(problem_of(replace(rough, points=z)))
+    (said,) = remarks(problem_of(replace(rough, points=z)))
     assert said.startswith("The geometry is up to")
 
 
@@ -341,11 +346,11 @@ def test_few_poses_with_shuffled_points_are_refused(poses, count):
 def test_targets_stated_for_one_another_are_only_remarked():
     one, two, three = honest().targets
     renamed = replace(honest(), targets=(replace(one, xyz=two.xyz), replace(two, xyz=one.xyz), three))
-    (said,) = check_plausible(problem_of(renamed))
+    (said,) = remarks(problem_of(renamed))
     assert "targets T1, T2 are stated for one another" in said
     fixed = replace(renamed, targets=tuple(replace(target, fixed=True) for target in renamed.targets))
     with pytest.raises(InputError, match="stated for one another"):
-        check_plausible(problem_of(fixed))
+        believed(problem_of(fixed))
 
 
 @pytest.mark.parametrize("order", [[1, 0, 2], [1, 2, 0]], ids=["two", "three"])
@@ -360,7 +365,7 @@ def test_names_exchanged_at_a_part_of_the_poses(order, stated):
         spoilt = replace(spoilt, targets=tuple(Target(target.name) for target in spoilt.targets))
     names = "T1 and T2" if order[2] == 2 else "T1, T2 and T3"
     with pytest.raises(InputError) as caught:
-        check_plausible(problem_of(spoilt))
+        believed(problem_of(spoilt))
     (said,) = str(caught.value).splitlines()
     # without stated places the order at the middle pose counts
     count, at = (22, "19, 20, 21 … 40") if stated else (18, "1, 2, 3 … 18")
@@ -378,7 +383,7 @@ def test_names_exchanged_of_targets_stated_roughly():
     places = ((0.148, 0.001, 0.048), (-0.086, 0.136, 0.076), (-0.058, -0.156, 0.123))
     rough = tuple(replace(one, xyz=xyz) for one, xyz in zip(honest().targets, places, strict=True))
     with pytest.raises(InputError, match="T1 and T2 are exchanged at 22 of 40 poses"):
-        check_plausible(problem_of(replace(points(honest(), mixed), targets=rough)))
+        believed(problem_of(replace(points(honest(), mixed), targets=rough)))
 
 
 def test_targets_stated_for_one_another_keep_their_points():
@@ -402,7 +407,7 @@ def test_targets_listed_in_another_order_are_the_same_campaign():
         shots=same.shots[:, order],
         targets=tuple(same.targets[i] for i in order),
     )
-    assert check_plausible(problem_of(other)) == check_plausible(problem_of(same)) == []
+    assert remarks(problem_of(other)) == remarks(problem_of(same)) == []
     assert judge(problem_of(other)).misfit.total == pytest.approx(judge(problem_of(same)).misfit.total)
 
 
@@ -410,7 +415,7 @@ def test_stated_places_in_another_order_are_named_with_their_mend():
     one, two, three = honest().targets
     places = ((one, two.xyz), (two, three.xyz), (three, one.xyz))
     spoilt = replace(honest(), targets=tuple(replace(target, xyz=xyz) for target, xyz in places))
-    (said,) = check_plausible(problem_of(spoilt))
+    (said,) = remarks(problem_of(spoilt))
     assert "targets T1, T2, T3 are stated for one another: mend xyz_mm" in said
 
 
@@ -447,11 +452,11 @@ def test_zeros_and_lengths_off_everywhere_are_fitted_and_told():
     geometry = random_geometry(problem_of(plan).arm, rng, 4e-3, 3e-2)
     rough = problem_of(simulate(plan, Truth(geometry=geometry, sigma=3e-5), seed=5))
     assert judge(rough).misfit.middle > 0.02
-    (said,) = check_plausible(rough)
+    (said,) = remarks(rough)
     assert said.startswith("The geometry is up to")
     assert "Targets are found" not in said
     elsewhere = [replace(one, xyz=tuple(np.add(one.xyz, [0.0, 0.0, 0.08]))) for one in rough.campaign.targets]
-    (said,) = check_plausible(replace(rough, campaign=replace(rough.campaign, targets=tuple(elsewhere))))
+    (said,) = remarks(replace(rough, campaign=replace(rough.campaign, targets=tuple(elsewhere))))
     assert said.startswith("The geometry is up to")
     assert re.search(r"Targets are found up to (7|8)\d mm from where they are stated", said)
 
@@ -549,7 +554,7 @@ COUNTED = {
 def test_joints_counted_otherwise_in_several_ways_at_once(case):
     name, spoil, told = COUNTED[case]
     with pytest.raises(InputError) as caught:
-        check_plausible(problem_of(spoil(honest(name))))
+        believed(problem_of(spoil(honest(name))))
     (fault,) = caught.value.faults
     assert all(part in str(fault) for part in told)
 
@@ -557,7 +562,7 @@ def test_joints_counted_otherwise_in_several_ways_at_once(case):
 def test_a_mend_that_stays_within_the_limits_comes_first():
     """On this robot q2 + 180° explains the sign of q1 as well, and cannot be."""
     with pytest.raises(InputError) as caught:
-        check_plausible(problem_of(flip(0)(honest("irb120"))))
+        believed(problem_of(flip(0)(honest("irb120"))))
     assert "turn the sign of q1" in str(caught.value)
     assert "180°" not in str(caught.value)
 
@@ -588,13 +593,13 @@ def test_the_command_line_warns_of_a_zero_that_is_off(tmp_path, capsys):
 @pytest.mark.parametrize("degrees", [3.0, pytest.param(-4.0, marks=pytest.mark.slow)])
 def test_a_joint_with_its_zero_some_degrees_off_is_fitted_and_told(degrees):
     campaign = turn(2, degrees)(honest("ur5"))
-    (said,) = check_plausible(problem_of(campaign))
+    (said,) = remarks(problem_of(campaign))
     assert "elbow_joint stands" in said
     assert abs(judge(problem_of(campaign)).zero[1] + np.radians(degrees)) < np.radians(0.2)
 
 
 def test_a_load_that_outweighs_the_arm_is_doubted():
     light = honest()
-    assert not any("kilograms" in said for said in check_plausible(problem_of(light)))
-    (said,) = [s for s in check_plausible(problem_of(replace(light, tool_mass=4500.0))) if "kilograms" in s]
+    assert not any("kilograms" in said for said in remarks(problem_of(light)))
+    (said,) = [s for s in remarks(problem_of(replace(light, tool_mass=4500.0))) if "kilograms" in s]
     assert said.startswith("Tool and payload weigh 4500 kg")

@@ -11,7 +11,7 @@ from workbench.campaign import Target
 from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.files.faults import InputError
-from workbench.identification.plausible import check_plausible
+from workbench.identification.plausible import believed
 from workbench.identification.registration import register
 from workbench.robot.description import load_robot
 from workbench.simulation.random_robot import write_random_robot
@@ -137,7 +137,7 @@ def test_a_line_with_a_hand_that_never_turns_is_no_mistake(stated):
     plan = planned(load_robot("ur5"), line, targets=(Target("C", stated),))
     truth = Truth(targets=PLACES[:1], sigma=1e-4)
     job = problem_of(simulate(plan, truth, instrument=(np.eye(3)[None], np.array([[0.3, 4.0, 0.5]]))))
-    assert not check_plausible(job)
+    assert not believed(job)[1]
     R, t, targets = register(job)
     seen = job.rigid.points(targets[0], job.on) @ R[0].T + t[0]
     assert np.median(np.linalg.norm(seen - job.campaign.points, axis=2)) < 3e-4
@@ -152,7 +152,7 @@ def test_points_in_a_wrong_unit_are_named(factor, said):
     job, _, _ = measured(seed=6)
     wrong = replace(job, campaign=replace(job.campaign, points=job.campaign.points * factor))
     with pytest.raises(InputError) as caught:
-        check_plausible(wrong)
+        believed(wrong)
     assert len(caught.value.faults) == 1
     assert said in str(caught.value)
     assert "of the points" in str(caught.value)
@@ -167,7 +167,7 @@ def test_joints_in_a_wrong_unit_are_named(factor, said, targets):
     job, _, _ = measured(targets=targets, seed=7)
     wrong = replace(job, campaign=job.campaign.with_poses(q=job.q * factor))
     with pytest.raises(InputError) as caught:
-        check_plausible(wrong)
+        believed(wrong)
     assert len(caught.value.faults) == 1
     assert said in str(caught.value)
     assert "of the joints" in str(caught.value)
@@ -177,16 +177,14 @@ def test_both_in_a_wrong_unit_are_named_at_once():
     job, _, _ = measured(seed=8)
     c = job.campaign
     with pytest.raises(InputError) as caught:
-        check_plausible(
-            replace(job, campaign=replace(c.with_poses(q=np.degrees(c.poses.q)), points=c.points * 1e3))
-        )
+        believed(replace(job, campaign=replace(c.with_poses(q=np.degrees(c.poses.q)), points=c.points * 1e3)))
     assert len(caught.value.faults) == 2
 
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("share", [0.9, 0.2])
 def test_right_units_pass(seed, share):
-    check_plausible(measured(seed=seed, share=share)[0])
+    believed(measured(seed=seed, share=share)[0])
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -196,9 +194,9 @@ def test_a_small_range_is_legal(seed, targets):
     job, _, _ = measured(targets=targets, seed=seed)
     q = job.q[:1] + np.radians(3) * np.random.default_rng(seed).uniform(-1, 1, job.q.shape)
     plan = job.campaign.with_poses(q=q)
-    check_plausible(problem_of(simulate(plan, Truth(sigma=3e-5, targets=places(targets)), seed=seed)))
+    believed(problem_of(simulate(plan, Truth(sigma=3e-5, targets=places(targets)), seed=seed)))
 
 
 def test_few_poses_are_not_judged():
     job, _, _ = measured(poses=5)
-    check_plausible(replace(job, campaign=replace(job.campaign, points=job.campaign.points * 1e3)))
+    believed(replace(job, campaign=replace(job.campaign, points=job.campaign.points * 1e3)))

@@ -169,7 +169,7 @@ def test_pages_of_several_seeds_beside_each_other() -> None:
 
     def page(seed: int, stands: bool, error: float, text: str, share: float) -> seeds.Page:
         claim = {"words": "high", "share": share, "draws": 100, "here": stands, "stands": stands}
-        return seeds.Page(seed, {"claims": {"high": claim}, "numbers": {"error_mm": error}}, [text])
+        return seeds.Page({"claims": {"high": claim}, "numbers": {"error_mm": error}}, [text])
 
     pages = [page(0, True, 1.234, "High.", 0.95), page(1, False, 2.0, "High.", 0.5)]
     found = "\n".join(seeds.faults(story, pages))

@@ -4,6 +4,7 @@ load."""
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +36,7 @@ def test_the_linear_arm_is_drakes_to_a_twentieth() -> None:
     """Table III's arm that yields, measured in Drake, against tips and sag of the pool."""
     robot = with_compliance(load_robot("longlink"), 0.5)
     q = linear.poses(20, [0, 90, 0], 90)
-    made = arm.ARM.measured(robot, q, [0, 1], sigma=0.0)
+    made = replace(arm.ARM, sigma=0.0).measured(robot, q, [0, 1])
     R, t = arm.STATION[0][0], arm.STATION[1][0]
     seen = (made.points[:, 0] - t) @ R - linear.tip(printed.TABLE_2, q)
     where = linear.pool(90, False)

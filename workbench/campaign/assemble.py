@@ -216,9 +216,9 @@ def _optional(values: Array | None, kept: NDArray[np.bool_]) -> Array | None:
     return None if values is None or np.isnan(values[kept]).all() else values[kept]
 
 
-def some(names: Sequence[str], shown: int = 5) -> str:
+def some(names: Sequence[str]) -> str:
     unique = list(dict.fromkeys(names))
-    return ", ".join(repr(name) for name in unique[:shown]) + (", ..." if len(unique) > shown else "")
+    return ", ".join(repr(name) for name in unique[:5]) + (", ..." if len(unique) > 5 else "")
 
 
 def _poses(names: Sequence[str]) -> str:

@@ -82,10 +82,10 @@ def _check_unique(table: Table) -> None:
         table.faults.append(Fault(str(table.path), what, mend))
 
 
-def _and(numbers: list[int], shown: int = 5) -> str:
+def _and(numbers: list[int]) -> str:
     texts = [str(number) for number in numbers]
-    if len(texts) > shown:
-        return ", ".join(texts[:shown]) + ", ..."
+    if len(texts) > 5:
+        return ", ".join(texts[:5]) + ", ..."
     return ", ".join(texts[:-1]) + " and " + texts[-1]
 
 

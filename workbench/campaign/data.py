@@ -256,8 +256,3 @@ class Campaign:
     def with_poses(self, **columns: Column) -> Campaign:
         """The campaign with other columns of its poses, by their names in `Poses`."""
         return replace(self, poses=replace(self.poses, **columns))  # type: ignore[arg-type]
-
-    @property
-    def folder(self) -> str:
-        """The name of the folder that the campaign lies in: short, for labels."""
-        return self.path.resolve().parent.name

@@ -12,14 +12,14 @@ FEW = 0.1  # share of a part that the loads and repeats of one position may take
 GOLDEN = (5**0.5 - 1) / 2  # its multiples fill the unit interval evenly
 
 
-def parted(campaign: Campaign, most: int, seed: int = 0) -> tuple[Campaign, Campaign | None]:
+def parted(campaign: Campaign, most: int) -> tuple[Campaign, Campaign | None]:
     """Poses drawn at random, at most so many, in their order; and as many of the others, or None where that
     is all. The loads and repeats of a joint position stay together; a pose more or less leaves nearly all
     others in their parts."""
     poses = campaign.poses
     if len(poses) <= most:
         return campaign, None
-    positions, drawn = poses.positions, poses.drawn(seed)
+    positions, drawn = poses.positions, poses.drawn(0)
     if np.bincount(positions).max() > FEW * most:
         drawn = np.mod(drawn + GOLDEN * _repeat(positions), 1.0)
         positions = np.arange(len(positions))

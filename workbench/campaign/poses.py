@@ -76,10 +76,6 @@ class Poses:
         """(N, n + 1) joints and set-up."""
         return np.column_stack([np.round(self.q, 9), self.setup])
 
-    def repeat(self, count: int) -> Poses:
-        """All poses `count` times, one round after the other; the ids stay those of the first round."""
-        return self.some(np.tile(np.arange(len(self), dtype=np.int64), count))
-
 
 def join_poses(parts: Sequence[Poses]) -> Poses:
     """One after the other. A column that some do not have is NaN there, sides 0, readback the command."""

@@ -173,6 +173,6 @@ def _check(title: str, pieces: Sequence[Piece], run: Run) -> None:
         raise InputError(faults)
 
 
-def tilted(angle_deg: float, axis: str = "y") -> Array:
-    """R_WT of a tool that looks down onto the plane and is tilted about one of W's axes."""
-    return np.asarray(rotation_about(axis, np.radians(angle_deg)) @ DOWN)
+def tilted(angle_deg: float) -> Array:
+    """R_WT of a tool that looks down onto the plane and is tilted about W's y."""
+    return np.asarray(rotation_about("y", np.radians(angle_deg)) @ DOWN)

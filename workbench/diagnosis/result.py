@@ -183,7 +183,6 @@ class Noise:
     source: Literal["stated", "repeats", "residual"]
     sentence: str = ""
     repeatability_mm: float | None = None
-    dof: float | None = None
 
 
 @dataclass(frozen=True)
@@ -290,8 +289,6 @@ class Diagnosis:
     facts: Mapping[str, str] = field(default_factory=dict)
     campaigns: tuple[OfCampaign, ...] = ()
     errors: PoseErrors | None = None
-    joints: tuple[str, ...] = ()
-    q: Array | None = None
     proof: tuple[str, str] | None = None
     revealed: Revealed | None = None
     version: str = ""

@@ -61,10 +61,6 @@ class Covariance:
         """Of these poses alone."""
         return replace(self, sigma=self.sigma[poses], weight=self.weight[poses])
 
-    def without(self, poses: NDArray[np.bool_]) -> Covariance:
-        """Leaves out the poses marked True."""
-        return replace(self, weight=np.where(poses, 0.0, self.weight))
-
 
 def stated_noise(problem: Problem) -> Covariance | None:
     """Noise as the campaign and the robot state it; None where the campaign states none."""
@@ -174,12 +170,11 @@ def turn_of_points(problem: Problem, turned: Array) -> Array:
 
 @dataclass(frozen=True)
 class MeasuredNoise:
-    """Noise from repeats and shots. sigma [m] per axis and shot, repeat [m] rms of the robot's part
-    per axis, joint: (n,) one sigma per joint; dof of each; total [m] per axis of a repeated point."""
+    """Noise from repeats and shots. sigma [m] per axis and shot; joint: (n,) one sigma per
+    joint; total [m] per axis of a repeated point; dof of each."""
 
     sigma: float
     joint: Array
-    repeat: float
     total: float
     dof: float
 
@@ -228,7 +223,6 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     return MeasuredNoise(
         max(float(np.exp(x[0] / 2)), LEAST),
         joint,
-        float(np.exp(x[1] / 2)) * reach,
         total,
         float(dof + shot_dof),
     )

@@ -47,7 +47,6 @@ def local_plan(
     wrench: ArrayLike,
     loads: ArrayLike,
     targets: Sequence[Target],
-    title: str = "",
 ) -> Campaign:
     """One pose q (n,) [rad] under M loads [N], each `wrench` (6,) times as much: N and N·m at the flange
     origin per N of load, in the base frame."""
@@ -57,7 +56,6 @@ def local_plan(
         np.tile(np.asarray(q, dtype=np.float64), (len(size), 1)),
         targets=targets,
         wrench=np.outer(size, np.asarray(wrench, dtype=np.float64)),
-        title=title,
     )
 
 

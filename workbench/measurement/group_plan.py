@@ -21,6 +21,7 @@ from .load_pairs import Load, difference_rows, pairs
 
 GRAVITY = 9.80665  # m/s²
 FEW = 100  # configurations at each angle to choose from where the forces are chosen as well
+RANDOMS = 300  # plans drawn at random, to compare with
 
 
 @dataclass(frozen=True)
@@ -80,14 +81,13 @@ def group_plan(
     A0: Array,
     candidates: int,
     seed: int,
-    randoms: int = 300,
 ) -> GroupPlan:
     """The plan for `counts` configurations at `angles` (M,) of a joint. A0: (3, n) motion of the tool at the
     test pose under its force, per unit of each compliance [m]."""
     rng = np.random.default_rng([seed, 0])
     chosen: list[Array] = []
     pulls: list[Array] = []
-    squares, random, hanging, free = 0.0, np.zeros(randoms), 0.0, 0.0
+    squares, random, hanging, free = 0.0, np.zeros(RANDOMS), 0.0, 0.0
     forces = rig.load[0] * GRAVITY * np.vstack([np.eye(3), -np.eye(3)])
     for angle, count in zip(angles, counts, strict=True):
         q = random_poses(rig.held(robot, joint, angle), candidates, rng, floor=0.4, clear=0.6)
@@ -100,7 +100,7 @@ def group_plan(
         hanging += criterion(down, A0) ** 2
         pulled = np.concatenate([rig.rows(robot, q[:FEW], force) for force in forces])
         free += exchange(pulled, A0, count, starts=1, seed=seed)[1] ** 2
-        for i in range(randoms):
+        for i in range(RANDOMS):
             some, one = rng.choice(candidates, count - 1, replace=False), rng.integers(candidates)
             random[i] += criterion(down[some], A0, aside[one].T @ aside[one]) ** 2
     title = f"{robot.title}, {len(chosen)} configurations before and after loading"

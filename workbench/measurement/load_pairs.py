@@ -19,7 +19,6 @@ from ..campaign.problem import Problem, problem_of
 from ..effects.base import Effect, Param
 from ..effects.joint_compliance import JointCompliance
 from ..effects.kinds import AxialYield
-from ..effects.lost_motion import LostMotion
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model
 from ..identification.noise import Covariance
@@ -120,12 +119,6 @@ def fit_pairs(campaign: Campaign, effects: Callable[[Problem], Sequence[Effect]]
 def fit_beside(campaign: Campaign, effect: Effect, sigma: float) -> Fit:
     """One compliance per joint, and one effect beside them: the last of the fit."""
     return fit_pairs(campaign, lambda problem: [*JointCompliance.sites(problem), effect], sigma)
-
-
-def fit_soft_zone(campaign: Campaign, joint: str, sigma: float) -> Fit:
-    """One compliance per joint and a soft zone of `joint`, in the catalogue's width that fits best."""
-    zones = [zone for zone in LostMotion.sites(problem_of(campaign)) if zone.where.joint == joint]
-    return min((fit_beside(campaign, zone, sigma) for zone in zones), key=lambda found: found.chi2)
 
 
 def measure_pairs(plan: Campaign, truth: Truth, seed: int, instrument: tuple[Array, Array]) -> Campaign:

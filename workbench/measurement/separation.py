@@ -50,7 +50,7 @@ class Separation:
 
     q, error, gear: (N,) joint, its whole error, and the error without what the load makes; torque: (N,)
     residual [N·m], spring: (N,) its change by a compensator 1 % stronger; fundamental, lines_only: (N,) the
-    fitted largest line, and all lines; believed: the gear's fit; before, after: how far a line of each of
+    fitted largest line, and all lines; before, after: how far a line of each of
     `orders` stands out of the noise, in σ, without and with the lines; alone: assumption on the gear → what
     the sweep says by itself; noise: σ of one pose's error.
     """
@@ -62,7 +62,6 @@ class Separation:
     spring: Array
     fundamental: Array
     lines_only: Array
-    believed: Fit
     lines: Sequence[GearLine]
     orders: Array
     before: Array
@@ -102,7 +101,6 @@ def separate(robot: Robot, swept: Campaign, believed: Fit, joint: str) -> Separa
         spring=other - torque,
         fundamental=max(waves, key=lambda wave: float(wave.std())),
         lines_only=np.sum(waves, axis=0),
-        believed=believed,
         lines=gear_lines(believed),
         orders=ORDERS,
         before=np.sqrt(np.maximum(spectrum(bare, j, ORDERS), 0.0)),

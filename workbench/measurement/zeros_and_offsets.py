@@ -60,12 +60,11 @@ class SimulatedArm:
         targets: Sequence[Target] = (),
         payload: Sequence[str] | None = None,
         ratio: Array | None = None,
-        sigma: float | None = None,
         yields: Mapping[int, Callable[[Array], Array]] | None = None,
     ) -> Campaign:
         """Measured in Drake in poses q: (N, n), with the robot's compliance.
 
-        targets, sigma: other ones; payload: (N) names; ratio: (n,) travel over the commanded one, minus one;
+        targets: other ones; payload: (N) names; ratio: (n,) travel over the commanded one, minus one;
         yields: further laws, as in `Truth`.
         """
         payloads = self.payloads if payload else None
@@ -83,7 +82,7 @@ class SimulatedArm:
             tuple(ratios),
             yields=yields or {},
             targets=places,
-            sigma=self.sigma if sigma is None else sigma,
+            sigma=self.sigma,
         )
         number = int(np.random.default_rng(seed).integers(2**31))
         return simulate(plan, truth, seed=number, instrument=self.instrument)
@@ -130,10 +129,10 @@ def fit_at_once(campaigns: Sequence[Campaign], robot: Robot, compliance: bool = 
     return fit(Model(problem, tuple(effects)))
 
 
-def error_of(found: Fit, judged: Campaign, ball: str = "ball") -> Array:
+def error_of(found: Fit, judged: Campaign) -> Array:
     """(N, 3) [m] measured minus predicted ball in poses that were not fitted, seen from the last set-up."""
     problem, own = problem_of(replace(judged, robot=found.model.problem.robot)), found.model.problem.campaign
-    place = [target.name for target in own.targets].index(ball)
+    place = [target.name for target in own.targets].index("ball")
     state = replace(
         found.state,
         R=found.state.R[-1:],

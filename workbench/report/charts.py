@@ -99,13 +99,12 @@ def histogram(
     values: ArrayLike,
     label: str,
     marks: Mapping[str, float],
-    bins: int = 45,
     log: bool = False,
 ) -> Figure:
     """How values (M,) are spread, with named marks as upright lines."""
     given = np.asarray(values, dtype=float)
     ends = [*given, *marks.values()]
-    edges = (np.geomspace if log else np.linspace)(min(ends), max(ends), bins + 1)
+    edges = (np.geomspace if log else np.linspace)(min(ends), max(ends), 46)
     with drawing(name, 2.5) as (axes, svg):
         share = 100 * np.histogram(given, edges)[0] / max(len(given), 1)
         axes.stairs(share, edges, fill=True, alpha=0.35, color=MIDDLE)

@@ -161,10 +161,6 @@ class Convention:
         up, down = (parts > 0).any(axis=2), (parts < 0).any(axis=2)
         return np.asarray(up.astype(float) - down)
 
-    def torques(self, shown: Array) -> Array:
-        """(N, n) torques about the URDF's joints of those about the controller's: the same power."""
-        return np.asarray(shown @ self.A)
-
     def to_world(self, X: Array) -> Array:
         """(..., 4, 4) poses in the controller's world, of poses in the URDF's base."""
         return np.asarray(np.linalg.inv(self.world) @ X)

@@ -16,6 +16,7 @@ from .loads import Loads, Wrenches, wrenches
 Law = Callable[[Array], Array]
 
 RUNAWAY = 100.0  # m or rad in a round: no arm goes so far and comes back
+STILL = 1e-13  # m or rad in a round: at rest
 STILL_MOVES = 1e-3  # m or rad in a round: a pose that has found no rest when another runs away
 
 
@@ -34,7 +35,6 @@ def equilibrium(
     direct: Array,
     loads: Loads,
     law: Law,
-    tolerance: float = 1e-13,
     near: Array | None = None,
     preconditioner: Law | None = None,
 ) -> tuple[Array, Frames, Wrenches]:
@@ -52,7 +52,7 @@ def equilibrium(
         load = wrenches(arm, where, loads)
         change = direct + law(load.local) - motion
         step = float(np.abs(change).max(initial=0.0))
-        if step < tolerance or (step < 1e3 * tolerance and step > 0.5 * last):  # as still as rounding allows
+        if step < STILL or (step < 1e3 * STILL and step > 0.5 * last):  # as still as rounding allows
             return motion + change, where, load
         if not step < RUNAWAY:
             break

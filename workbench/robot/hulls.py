@@ -130,7 +130,7 @@ def _primitive(shape: ET.Element, place: str) -> Array:
     """Points whose hull holds a box, cylinder, capsule or sphere of a URDF."""
     if shape.tag == "box":
         return box_points(vector(shape, "size", place))
-    radius, length = (number(shape, key, place, 0.0) for key in ("radius", "length"))
+    radius, length = (number(shape, key, place) for key in ("radius", "length"))
     half = np.pi / ROUND
     angle = 2 * half * np.arange(ROUND)
     circle = radius / np.cos(half) * np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -100,7 +100,7 @@ def _odd_weights(urdf: Urdf, chain: Chain) -> list[str]:
 def _mass(urdf: Urdf, link: str) -> float:
     """[kg], 0 where none is stated. Raises `InputError`."""
     place = f"{urdf.path}: link {link!r} mass"
-    mass = number(urdf.links[link].find("inertial/mass"), "value", place, 0.0)
+    mass = number(urdf.links[link].find("inertial/mass"), "value", place)
     if mass < 0:
         raise InputError(Fault(place, f"{mass:g} kg is no mass", "state what the link weighs, 0 if unknown"))
     return mass
@@ -111,7 +111,7 @@ def _inertia(urdf: Urdf, link: str) -> list[float] | None:
     have it."""
     element = urdf.links[link].find("inertial/inertia")
     place = f"{urdf.path}: link {link!r} inertia"
-    values = [number(element, key, place, 0.0) for key in MOMENTS]
+    values = [number(element, key, place) for key in MOMENTS]
     xx, yy, zz, xy, xz, yz = values
     low, middle, high = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     short = float(high - low - middle)

@@ -191,11 +191,11 @@ def vector(element: ET.Element | None, key: str, place: str, default: Vector3 = 
     return x, y, z
 
 
-def number(element: ET.Element | None, key: str, place: str, default: float) -> float:
-    """A finite number of an attribute. Raises `InputError`."""
+def number(element: ET.Element | None, key: str, place: str) -> float:
+    """A finite number of an attribute, 0 without it. Raises `InputError`."""
     text = None if element is None else element.get(key)
     if text is None:
-        return default
+        return 0.0
     try:
         value = float(text)
     except ValueError:

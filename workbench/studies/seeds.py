@@ -34,7 +34,6 @@ LEAST_DIGITS = 3  # of a number that hardly stands in a text by chance
 class Page:
     """result: of `result.json`; sentences: of `index.html`, as they are read."""
 
-    seed: int
     result: Mapping[str, Any]
     sentences: Sequence[str]
 
@@ -44,7 +43,7 @@ class Page:
         return frozenset(NUMBER.sub("#", sentence) for sentence in self.sentences)
 
 
-def read_page(folder: Path, seed: int) -> Page:
+def read_page(folder: Path) -> Page:
     """The page that a run wrote."""
     html = (folder / "index.html").read_text(encoding="utf-8")
     html = html.partition("</header>")[2] or html
@@ -53,7 +52,7 @@ def read_page(folder: Path, seed: int) -> Page:
     blocks = re.split(r"</?(?:p|h\d|t[dhr]|div|section|figcaption|li|caption)\b[^>]*>", html)
     texts = [re.sub(r"\s+", " ", unescape(re.sub(r"<[^>]+>", "", block))).strip() for block in blocks]
     sentences = [part for text in texts for part in re.split(r"(?<=[.!?]) (?=[A-ZΔ“])", text) if part]
-    return Page(seed, json.loads((folder / "result.json").read_text(encoding="utf-8")), sentences)
+    return Page(json.loads((folder / "result.json").read_text(encoding="utf-8")), sentences)
 
 
 def claims_of(pages: Sequence[Page]) -> dict[str, dict[str, Any]]:

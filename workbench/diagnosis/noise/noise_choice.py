@@ -83,13 +83,13 @@ def _of_repeated_poses(said: Covariance | None, found: Covariance) -> tuple[Cova
         if agree or found.dof < BELIEVED_DOF:
             kept = replace(said, turn_ratio=found.turn_ratio * found.usual / said.usual)
             words = f"{1e3 * said.usual:.4f} mm per axis, as stated in the campaign ({shown})."
-            return kept, Noise(1e3 * said.usual, "stated", words, None, None), []
+            return kept, Noise(1e3 * said.usual, "stated", words), []
     notes = []
     if said is not None:
         what = f"{shown[0].upper()}{shown[1:]}, stated is {1e3 * said.usual:.4f} mm"
         notes = [f"{what}: the measured noise is used."]
     words = f"{1e3 * found.usual:.4f} mm per axis, measured from repeated poses."
-    return found, Noise(1e3 * found.usual, "repeats", words, None, found.dof), notes
+    return found, Noise(1e3 * found.usual, "repeats", words), notes
 
 
 def _of_rows(problem: Problem) -> tuple[Covariance, Noise] | None:
@@ -102,7 +102,7 @@ def _of_rows(problem: Problem) -> tuple[Covariance, Noise] | None:
     found = replace(provisional(problem), sigma=sigma, dof=float(dof))
     words = "by how rows on end scatter, of which a pose is the mean"
     figure = 1e3 * found.usual
-    return found, Noise(figure, "repeats", f"{figure:.4f} mm per axis, {words}.", None, found.dof)
+    return found, Noise(figure, "repeats", f"{figure:.4f} mm per axis, {words}.")
 
 
 def of_distances(result: Fit) -> tuple[Covariance, Noise] | None:
@@ -207,7 +207,6 @@ def _figures(noise: Covariance, source: str, axial: Array, measured: MeasuredNoi
         source,  # type: ignore[arg-type]
         sentence + ".",
         robot * 1e3 if robot > 0 else None,
-        noise.dof if np.isfinite(noise.dof) else None,
     )
 
 

@@ -130,8 +130,6 @@ def assemble(parts: Parts) -> Diagnosis:
         facts=facts(problem, final),
         campaigns=of_campaigns(prepared, alone, final),
         errors=pose_errors(prepared, alone, final),
-        joints=problem.robot.joint_names,
-        q=c.poses.q,
         version=__version__,
         inputs=c.files,
     )

@@ -29,17 +29,14 @@ class PressureFit:
     standard deviations, from the scatter; rms [Pa]; count: M.
     """
 
-    names: tuple[str, str]
     values: Array
     std: Array
     rms: float
     count: int
 
 
-def fit_gas(
-    triangle: Linkage, q: Array, pressure: Array, *, length: float | None = None, exponent: float = 1.0
-) -> PressureFit:
-    """Precharge and gas length for an `exponent`; with a known `length` [m], precharge and exponent.
+def fit_gas(triangle: Linkage, q: Array, pressure: Array, *, length: float | None = None) -> PressureFit:
+    """Precharge and gas length of an isothermal gas; with a known `length` [m], precharge and exponent.
 
     q: (M,) [rad] of the joint, pressure: (M,) [Pa] absolute, M > 2.
     """
@@ -49,13 +46,13 @@ def fit_gas(
         def gas(x: Array) -> Array:
             return x[0] * (length / (length - ds)) ** x[1]
 
-        return _fitted(("precharge", "exponent"), gas, pressure, np.array([pressure.min(), 1.0]))
+        return _fitted(gas, pressure, np.array([pressure.min(), 1.0]))
 
     def gas_of_length(x: Array) -> Array:
-        return x[0] * (x[1] / (x[1] - ds)) ** exponent
+        return x[0] * x[1] / (x[1] - ds)
 
     start = np.array([pressure.min(), 5 * float(ds.max())])
-    return _fitted(("precharge", "gas_length"), gas_of_length, pressure, start)
+    return _fitted(gas_of_length, pressure, start)
 
 
 def fit_coil(triangle: Linkage, q: Array, pressure: Array) -> PressureFit:
@@ -66,7 +63,7 @@ def fit_coil(triangle: Linkage, q: Array, pressure: Array) -> PressureFit:
         return x[0] + x[1] * ds
 
     start = np.array([pressure.min(), np.ptp(pressure) / float(ds.max())])
-    return _fitted(("precharge", "rate"), line, pressure, start)
+    return _fitted(line, pressure, start)
 
 
 def odds(one: PressureFit, other: PressureFit) -> float:
@@ -84,9 +81,7 @@ def _beyond_shortest(triangle: Linkage, q: Array) -> Array:
     return triangle.stretch(q)[0] - abs(triangle.a - triangle.L)
 
 
-def _fitted(
-    names: tuple[str, str], law: Callable[[Array], Array], pressure: Array, start: Array
-) -> PressureFit:
+def _fitted(law: Callable[[Array], Array], pressure: Array, start: Array) -> PressureFit:
     def left(x: Array) -> Array:
         return (law(x * start) - pressure) / pressure.mean()
 
@@ -96,4 +91,4 @@ def _fitted(
     covariance = np.linalg.inv(J.T @ J) * scatter
     rms = float(np.sqrt((found.fun**2).mean()) * pressure.mean())
     std = np.sqrt(np.diag(covariance)) * np.abs(start)
-    return PressureFit(names, found.x * start, std, rms, len(pressure))
+    return PressureFit(found.x * start, std, rms, len(pressure))

@@ -1,6 +1,6 @@
 """Whether joints, points and robot belong together, before anything is fitted to explain them."""
 
-from .check import Plausible, believed, check_plausible, judge
+from .check import Plausible, believed, judge
 from .few_poses import enough_beside_others, enough_poses, enough_together, too_few_alone
 from .machine import check_rest, plausible_geometry
 from .same_factor import common_factor
@@ -8,7 +8,6 @@ from .same_factor import common_factor
 __all__ = [
     "Plausible",
     "believed",
-    "check_plausible",
     "check_rest",
     "common_factor",
     "enough_beside_others",

@@ -66,11 +66,6 @@ class Plausible:
         return bool(self.mistakes) or (off and not fitted) or self.scale != 1.0
 
 
-def check_plausible(problem: Problem) -> list[str]:
-    """The remarks of `believed`."""
-    return believed(problem)[1]
-
-
 def believed(problem: Problem) -> tuple[Problem, list[str]]:
     """The problem with its targets where they are meant to be; remarks on loads, a joint's zero or stated
     places of targets that are wrong. Raises InputError where joints, points and robot do not belong together,

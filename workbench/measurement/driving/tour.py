@@ -30,11 +30,6 @@ def shortest(time: Array) -> Order:
     return order
 
 
-def length(time: Array, order: Order) -> float:
-    """Time [s] of a closed tour."""
-    return float(time[order, np.roll(order, -1)].sum())
-
-
 def _nearest(time: Array) -> Order:
     order, left = [0], np.ones(len(time), dtype=bool)
     left[0] = False

@@ -33,9 +33,9 @@ class Machine:
 
     motors: (n,), springs: (K,) places in positions and velocities; names: of the springs' joints; own: (n,)
     place among the springs of each joint's own spring, −1 for none. stiffness: (K,) [N·m/rad, N/m]; damping:
-    (K,) [N·m·s/rad, N·s/m]; native: (K,) whether the spring is Drake's force element. rotor: (n,) reflected
-    inertia of the drives [kg·m², kg]. cylinder: the compensator, for the plant's port (`plant_diagram`); None
-    where there is none or it is a coil.
+    (K,) [N·m·s/rad, N·s/m]; native: (K,) whether the spring is Drake's force element.
+    cylinder: the compensator, for the plant's port (`plant_diagram`); None where there is none or it is a
+    coil.
     """
 
     built: ArmPlant
@@ -46,7 +46,6 @@ class Machine:
     stiffness: Array
     damping: Array
     native: NDArray[np.bool_]
-    rotor: Array
     cylinder: Cylinder | None
 
     @property
@@ -102,7 +101,6 @@ def machine(mechanics: Mechanics, drive: Drives) -> Machine:
         np.array(stiffness),
         np.array(damping),
         np.array([*moving.of_joints, *(True for _ in moving.gives)], dtype=bool),
-        drive.rotor,
         cylinder,
     )
 

@@ -105,14 +105,6 @@ def _filtered(x: Array) -> Array:
     return np.asarray(2 * one - gaussian_filter1d(x, np.sqrt(2) * width, axis=0, mode="nearest"))
 
 
-def hold(q: Array, duration: float, side: Array | None = None) -> Motion:
-    """Joints q (n,) commanded for a while, come to from `side` (n,)."""
-    count = 4 * round(duration / (4 * PERIOD)) + 1
-    still = np.zeros((count, len(q)))
-    from_side = np.zeros(len(q)) if side is None else side
-    return Motion(PERIOD, still + q, still, still, from_side, np.array([duration]))
-
-
 def _phase(t: Array, length: float, ramp: float) -> tuple[Array, Array, Array]:
     """Path time, its rate and the rate's change at times t from the path's start."""
     end = length + ramp

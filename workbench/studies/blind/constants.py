@@ -55,16 +55,14 @@ class Moved:
     errors: dict[str, int]
 
 
-def moved(
-    keys: Sequence[str], seed: int, factor: float = 3.0, constants: Sequence[str] = SIZES + SHARES
-) -> Iterator[Moved]:
-    """Errors with every constant as it is, then with each `factor` times larger and smaller; probabilities by
+def moved(keys: Sequence[str], seed: int) -> Iterator[Moved]:
+    """Errors with every constant as it is, then with each three times larger and smaller; probabilities by
     their odds. keys: of the blind study's cases."""
     with TemporaryDirectory() as folder:
         cases = [draw_case(key, seed, Path(folder) / str(i)) for i, key in enumerate(keys)]
         yield Moved("", float("nan"), _errors(cases))
-        for name in constants:
-            for change in (factor, 1 / factor):
+        for name in SIZES + SHARES:
+            for change in (3.0, 1 / 3.0):
                 value = changed(name, change)
                 with varied(**{name: value}):
                     yield Moved(name, value, _errors(cases))

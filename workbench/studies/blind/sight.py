@@ -84,10 +84,10 @@ class Products:
         others = [k for k in range(self.shifts) if k != i]
         return float(self.S[i, i]) - self._taken(i, np.array(others, dtype=np.int64))
 
-    def left(self, chosen: Sequence[int], i: int = 0) -> float:
-        """λ of a shift that the chosen effects, fitted freely, leave."""
+    def left(self, chosen: Sequence[int]) -> float:
+        """λ of the first shift that the chosen effects, fitted freely, leave."""
         columns = [self.parts[k] for k in chosen]
-        return float(self.S[i, i]) - self._taken(i, np.concatenate([*columns, np.zeros(0, dtype=np.int64)]))
+        return float(self.S[0, 0]) - self._taken(0, np.concatenate([*columns, np.zeros(0, dtype=np.int64)]))
 
     def twins(self, chosen: Sequence[int], effect: Effect) -> bool:
         """Whether the chosen effects can do all that an effect does in these poses."""

@@ -134,13 +134,13 @@ class Measured:
         measured = np.where(self.problem.seen[..., None], self.problem.campaign.points, np.nan)
         return Half(state, out, (measured - whole.model.predict(state))[out])
 
-    def estimate(self, whole: Fit, effect: int = 0, half: Half | None = None) -> Estimate:
-        """The first number of an effect, of the fit to all poses or to a half."""
-        at = whole.columns.effect[effect].start
+    def estimate(self, whole: Fit, half: Half | None = None) -> Estimate:
+        """The first number of the first effect, of the fit to all poses or to a half."""
+        at = whole.columns.effect[0].start
         out = np.zeros(len(self.block), dtype=bool) if half is None else half.out
-        value = float((whole if half is None else half).state.values[effect][0])
+        value = float((whole if half is None else half).state.values[0][0])
         changes = [without(whole, out | (self.block == group))[at] for group in np.unique(self.block[~out])]
-        std = float(np.sqrt(whole.effect_values(effect)[1][0, 0] / (~out).mean()))
+        std = float(np.sqrt(whole.effect_values(0)[1][0, 0] / (~out).mean()))
         left = float(np.sqrt(np.nanmean(whole.residual[~out] ** 2)))
         return Estimate(value, np.array(changes), std, left)
 

@@ -42,9 +42,9 @@ def assumed() -> Robot:
 
 
 @cache
-def pool(limit: int, above: bool, name: int = 0) -> Pool:
+def pool(limit: int, above: bool) -> Pool:
     """Poses within ±limit [°], with hand and wrist above the floor where `above` says so."""
-    q = poses(POOL, [name, limit, int(above)], limit, FLOOR if above else None)
+    q = poses(POOL, [0, limit, int(above)], limit, FLOOR if above else None)
     budget = deflection_budget(planned(assumed(), q, targets=ARM.targets[:1]))
     entries = np.empty((len(q), 3, 7, 4))
     for i, j in np.ndindex(7, 4):

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from workbench import (
     Array,
-    Compensation,
     Path,
     Robot,
     Task,
@@ -21,13 +20,12 @@ from workbench import (
 @dataclass(frozen=True, eq=False)
 class Drawn:
     """A path of N samples as drawn. wanted: (N, 3) [m]; time: (N,) [s]; q: (N, n) uncorrected joints;
-    error: command → (N, 3) [m] tool minus wanted; made: the compensation behind each command."""
+    error: command → (N, 3) [m] tool minus wanted."""
 
     wanted: Array
     time: Array
     q: Array
     error: dict[str, Array]
-    made: dict[str, Compensation]
 
 
 def draw_corrected(
@@ -69,5 +67,5 @@ def draw_corrected(
         outcomes = {name: next(done) for name in q}
         wanted = next(iter(corrections.values())).X_desired[:, :3, 3]
         error = {name: outcome.tool[:, :3, 3] - wanted for name, outcome in outcomes.items()}
-        drawn.append(Drawn(wanted, outcomes["none"].time, q["none"], error, corrections))
+        drawn.append(Drawn(wanted, outcomes["none"].time, q["none"], error))
     return drawn
