@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from shlex import quote
 from typing import Any
@@ -190,7 +191,7 @@ class Campaign:
 
         return campaign_from(robot, q, points, sigma, sections, title)
 
-    @property
+    @cached_property
     def of_campaign(self) -> IntArray:
         """(N,) number of the campaign that each pose is of, where several are in it."""
         labels, of = self.labels or ("",), []
