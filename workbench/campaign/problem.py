@@ -100,6 +100,11 @@ class Problem:
         """Time (N,) [s], empty cells at the mean; None without the column."""
         return filled(self.campaign.poses.time, 0.0)
 
+    @property
+    def time_passes(self) -> bool:
+        """Whether times were recorded that tell its poses apart."""
+        return self.time is not None and bool(np.ptp(self.time) > 0)
+
     def joint(self, name: str | None) -> int:
         """Number of a joint, from 0."""
         return self.arm.names.index(str(name))

@@ -17,7 +17,7 @@ from .kinds import DirectEffect
 from .place import Parameter
 from .travel import rms
 from .unnamed.base import each
-from .unnamed.campaign import Clock, flange_of, recorded, waves_over, waves_shown, weights_of_waves
+from .unnamed.campaign import Clock, flange_of, waves_over, waves_shown, weights_of_waves
 
 WAYS = ("shift", "shift+turn", "tool")
 RATES = ("rate_x", "rate_y", "rate_z")
@@ -34,15 +34,11 @@ class Drift(DirectEffect):
 
     One that creeps to rest, as a stand that warms up does, goes by v t_c (1 − exp(−(t − t₀)/t_c)): t_c is
     `constant` in s, 0: it goes evenly. An instrument that moves the other way looks the same. t₀ is the
-    campaign's first instant `start`. One that goes "freely", there and back, by shifts and breaks, has so
-    many waves in time, `highest`, for each motion, as large as `size` [m, rad]: what it does at other times
-    nobody knows.
+    campaign's first instant `start`.
     """
 
     start: float = 0.0
     constant: float = 0.0
-    highest: float = 0.0
-    size: float = FREELY
 
     cause: ClassVar[str] = "drift"
     title: ClassVar[str] = "Base, instrument or tool drifts"
@@ -57,8 +53,6 @@ class Drift(DirectEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
-        if self.highest:
-            return weights_of_waves(self.size, self.highest, 6 if self.turns else 3)
         usual = FIRST if self.constant else EVEN
         of, frame = f"of the {self.what}", "flange" if self.of_tool else "base"
         shift = tuple(Param(name, "m/s", usual, f"{of}, on the {frame}'s axes") for name in RATES)
@@ -80,17 +74,6 @@ class Drift(DirectEffect):
     def turns(self) -> bool:
         return self.of_tool or "turn" in self.variant
 
-    @property
-    def rare(self) -> bool:
-        return bool(self.highest)
-
-    @property
-    def lasting(self) -> bool:
-        return not self.highest
-
-    def sized(self, scale: float) -> Effect:
-        return replace(self, size=scale * self.size)
-
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
         if problem.time is None:
@@ -99,22 +82,14 @@ class Drift(DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Drift]:
-        if recorded(problem) != "time":
-            return []
-        start, _ = start_and_span(problem)
-        freely = [
-            cls(variant=f"{way} freely", start=start, highest=highest)
-            for highest in waves_shown(problem)
-            for way in WAYS
-        ]
-        return [*cls.places(problem), *freely]
+        return [*cls.places(problem), *FreeDrift.over(problem)] if problem.time_passes else []
 
     @classmethod
     def places(cls, problem: Problem) -> Sequence[Drift]:
         start, span = start_and_span(problem)
-        even = [cls(variant=way, start=start) for way in WAYS]
+        even = [Drift(variant=way, start=start) for way in WAYS]
         creeping = [
-            cls(variant=f"{way} creeping {share:g}", start=start, constant=share * span)
+            Drift(variant=f"{way} creeping {share:g}", start=start, constant=share * span)
             for way in WAYS
             for share in SHARES
         ]
@@ -130,8 +105,6 @@ class Drift(DirectEffect):
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real drift does not go evenly."""
-        if self.highest:
-            return []
         way = self.params[0].typical * float(np.ptp(self._gone(problem)))
         return [(UNEVEN * way / one.size, one) for one in Clock.of(problem) if one.of_base != self.of_tool]
 
@@ -139,8 +112,11 @@ class Drift(DirectEffect):
         if problem.time is None:
             return {}
         columns = flange_of(problem) if self.of_tool else range(6 if self.turns else 3)
-        course = waves_over(problem.time, self.highest) if self.highest else self._gone(problem)[:, None]
-        return each(columns, course)
+        return each(columns, self._course(problem.time))
+
+    def _course(self, time: Array) -> Array:
+        """(N, k) how each motion goes in time (N,) [s], per unit of each of its parameters."""
+        return gone(time - self.start, self.constant)[:, None]
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         # with a turn: at one metre from the origin
@@ -150,11 +126,6 @@ class Drift(DirectEffect):
         return Drawn(self._since(problem) / 60, "time", "min", gone, name, "m")
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
-        if self.highest:
-            size, std = self._shift(values, covariance)
-            return (
-                Parameter("amplitude", size, std, "m", f"RMS of the {self.what}'s shift in the campaign"),
-            )
         v = values[:3]
         rate = float(np.linalg.norm(v))
         along = v / rate if rate > 0 else np.full(3, 3**-0.5)
@@ -164,21 +135,69 @@ class Drift(DirectEffect):
             *super().report(values, covariance),
         )
 
-    def _shift(self, values: Array, covariance: Array) -> tuple[float, float]:
-        """RMS over the campaign of how far it shifts by no law [m], and its standard deviation."""
-        part = slice(3 * int(self.highest))
-        return rms(values[part], covariance[part, part])
+    @property
+    def what_or(self) -> str:
+        """What moves, or does so as far as anybody can tell."""
+        return "tool" if self.of_tool else "base (or the instrument)"
 
     def sentence(self, values: Array) -> str:
-        what = "tool" if self.of_tool else "base (or the instrument)"
-        if self.highest:
-            size, _ = self._shift(values, np.zeros((len(values), len(values))))
-            return (
-                f"The {what} moves in the course of the campaign, by {motion_said(size, sliding=True)} RMS."
-            )
         speed = f"{short(float(np.linalg.norm(values[:3])) * 3600e6)} µm/h"
         if self.turns:
             speed += f" and turns by {short(float(np.linalg.norm(values[3:])) * 3600e6)} µrad/h"
         if self.constant:
             speed += f" at first, and comes to rest with a time constant of {self.constant / 60:.0f} min"
-        return f"The {what} drifts by {speed}."
+        return f"The {self.what_or} drifts by {speed}."
+
+
+@dataclass(frozen=True)
+class FreeDrift(Drift):
+    """A drift by no law, there and back, by shifts and breaks: so many waves in time, `highest`, for each
+    motion, as large as `size` [m, rad]. What it does at other times nobody knows."""
+
+    highest: float = 1.0
+    size: float = FREELY
+
+    @classmethod
+    def over(cls, problem: Problem) -> Sequence[FreeDrift]:
+        """All ways to drift, in as many waves as the campaign can show."""
+        start, _ = start_and_span(problem)
+        return [
+            cls(variant=f"{way} freely", start=start, highest=highest)
+            for highest in waves_shown(problem)
+            for way in WAYS
+        ]
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        return weights_of_waves(self.size, self.highest, 6 if self.turns else 3)
+
+    @property
+    def rare(self) -> bool:
+        return True
+
+    @property
+    def lasting(self) -> bool:
+        return False
+
+    def sized(self, scale: float) -> FreeDrift:
+        return replace(self, size=scale * self.size)
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        return []
+
+    def _course(self, time: Array) -> Array:
+        return waves_over(time, self.highest)
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        size, std = self._shift(values, covariance)
+        return (Parameter("amplitude", size, std, "m", f"RMS of the {self.what}'s shift in the campaign"),)
+
+    def _shift(self, values: Array, covariance: Array) -> tuple[float, float]:
+        """RMS over the campaign of how far it shifts [m], and its standard deviation."""
+        part = slice(3 * int(self.highest))
+        return rms(values[part], covariance[part, part])
+
+    def sentence(self, values: Array) -> str:
+        size, _ = self._shift(values, np.zeros((len(values), len(values))))
+        moved = motion_said(size, sliding=True)
+        return f"The {self.what_or} moves in the course of the campaign, by {moved} RMS."

@@ -95,7 +95,7 @@ class ThermalGrowth(DirectEffect):
         by_time = [one for one in every if "time" in one.uses]
         if problem.warmth is not None:
             return by_temperature if np.ptp(problem.warmth) > 0 else []
-        return by_time if problem.time is not None and np.ptp(problem.time) > 0 else []
+        return by_time if problem.time_passes else []
 
     @classmethod
     def places(cls, problem: Problem) -> Sequence[ThermalGrowth]:

@@ -80,7 +80,7 @@ class Clock(Unnamed, DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Clock]:
-        return [] if recorded(problem) == "time" else cls.of(problem)
+        return [] if problem.time_passes else cls.of(problem)
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class ZeroInTime(Clock):
 
 def recorded(problem: Problem) -> str:
     """What tells when a pose was measured."""
-    return "time" if problem.time is not None and np.ptp(problem.time) > 0 else "order"
+    return "time" if problem.time_passes else "order"
 
 
 def waves_over(x: Array, highest: float) -> Array:
@@ -171,12 +171,13 @@ class Along(Unnamed, DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Along]:
-        if problem.time is None or np.ptp(problem.time) == 0:
+        if not problem.time_passes:
             return []
+        time = since_start(problem, 0.0)
         return [
             cls(Where(joint=problem.arm.names[j]), motions=motions)
             for j in moving(problem)
-            if abs(np.corrcoef(problem.time, problem.q[:, j])[0, 1]) > WITH_TIME
+            if abs(np.corrcoef(time, problem.q[:, j])[0, 1]) > WITH_TIME
             for motions in (3.0, 6.0)
         ]
 
@@ -218,7 +219,7 @@ class Zeros(Unnamed, DirectEffect):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Zeros]:
         turning = float(len(_turning(problem)))
-        if problem.time is None or np.ptp(problem.time) == 0 or not turning:
+        if not problem.time_passes or not turning:
             return []
         start, span = start_and_span(problem)
         constants = (0.0, *(share * span for share in SHARES))

@@ -19,6 +19,7 @@ from ...campaign.problem import Problem
 from ...robot.kinematics import Array
 from ...robot.rotations import cross, nearest_turn
 from ..base import Param
+from ..coming_to_rest import start_and_span
 from ..kinds import InstrumentEffect
 from .base import MOVES, Unnamed, waves
 
@@ -163,9 +164,9 @@ class Ranging(FromHead):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
-        if problem.time is None or np.ptp(problem.time) == 0:
+        if not problem.time_passes:
             return []
-        first, span = float(problem.time.min()), float(np.ptp(problem.time))
+        first, span = start_and_span(problem)
         return [cls(distance=one.distance, start=first, span=span) for one in cls.at_hand(problem)]
 
 
