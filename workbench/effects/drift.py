@@ -157,6 +157,9 @@ class FreeDrift(Drift):
     highest: float = 1.0
     size: float = FREELY
 
+    rare: ClassVar[bool] = True
+    lasting: ClassVar[bool] = False
+
     @classmethod
     def over(cls, problem: Problem) -> Sequence[FreeDrift]:
         """All ways to drift, in as many waves as the campaign can show."""
@@ -170,14 +173,6 @@ class FreeDrift(Drift):
     @property
     def params(self) -> tuple[Param, ...]:
         return weights_of_waves(self.size, self.highest, 6 if self.turns else 3)
-
-    @property
-    def rare(self) -> bool:
-        return True
-
-    @property
-    def lasting(self) -> bool:
-        return False
 
     def sized(self, scale: float) -> FreeDrift:
         return replace(self, size=scale * self.size)

@@ -33,7 +33,6 @@ class LinkMass(MassEffect):
     cause: ClassVar[str] = "link_mass"
     title: ClassVar[str] = "Mass of a link, or of all links alike, differs from the model"
     reference: ClassVar[str] = "the URDF's"
-    equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
     reading: ClassVar[str] = "weigh the link"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "measure with two payloads: a stiffness acts on both, a link mass on neither",
@@ -46,11 +45,9 @@ class LinkMass(MassEffect):
     @property
     def params(self) -> tuple[Param, ...]:
         if self.variant == "mass":
-            return (self._mass("added to the URDF's mass", self.usual),)
+            return self._mass("added to the URDF's mass", self.usual)
         most = 0.3 * self.usual  # a centre of mass does not leave its link
-        return tuple(
-            Param(f"moment_{axis}", "kg·m", 0.02 * self.usual, lower=-most, upper=most) for axis in "xyz"
-        )
+        return self._moments(0.02 * self.usual, most)
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:

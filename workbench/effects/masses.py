@@ -36,12 +36,16 @@ class MassEffect(LoadEffect):
     most: float = np.inf
 
     reference: ClassVar[str]
+    equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
     in_drake: ClassVar[str] = "mass and centre of mass of the body, in the Context"
     wholes: ClassVar[dict[str, str]] = {"mass_kg": "kg"}
     together: ClassVar[bool] = True
 
-    def _mass(self, meaning: str, usual: float) -> Param:
-        return Param("mass", "kg", 0.05 * usual, meaning, lower=-self.mass, upper=self.most)
+    def _mass(self, meaning: str, usual: float) -> tuple[Param, ...]:
+        return (Param("mass", "kg", 0.05 * usual, meaning, lower=-self.mass, upper=self.most),)
+
+    def _moments(self, usual: float, most: float) -> tuple[Param, ...]:
+        return tuple(Param(f"moment_{axis}", "kg·m", usual, lower=-most, upper=most) for axis in "xyz")
 
     @property
     def bounded(self) -> bool:

@@ -30,7 +30,6 @@ class Payload(MassEffect):
     cause: ClassVar[str] = "payload"
     title: ClassVar[str] = "Payload or tool differs from what was stated"
     reference: ClassVar[str] = "the stated"
-    equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
     reading: ClassVar[str] = "weigh what the flange carries"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "weigh what the flange carries, or measure a third load",
@@ -43,11 +42,8 @@ class Payload(MassEffect):
     def params(self) -> tuple[Param, ...]:
         size = max(self.usual, 1.0)
         if self.variant == "mass":
-            return (self._mass("added to the stated mass", size),)
-        return tuple(
-            Param(f"moment_{axis}", "kg·m", 0.03 * size, lower=-0.5 * size, upper=0.5 * size)
-            for axis in "xyz"
-        )
+            return self._mass("added to the stated mass", size)
+        return self._moments(0.03 * size, 0.5 * size)
 
     @property
     def whole(self) -> bool:

@@ -38,6 +38,7 @@ class ThermalGrowth(DirectEffect):
     cause: ClassVar[str] = "thermal_growth"
     title: ClassVar[str] = "Links grow with temperature"
     depends: ClassVar[Depends] = frozenset({"temperature", "time"})
+    bounded: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta p = alpha thin (T - T_0) thin p"
     settings: ClassVar[tuple[str, ...]] = ("start", "constant")
     separate: ClassVar[dict[str, str]] = {
@@ -47,10 +48,6 @@ class ThermalGrowth(DirectEffect):
         "thermal_growth": "one posture of the arm along the whole travel, cold and warm",
         "gear_ratio": "one posture of the arm along the whole travel, cold and warm",
     }
-
-    @property
-    def bounded(self) -> bool:
-        return True
 
     @property
     def params(self) -> tuple[Param, ...]:

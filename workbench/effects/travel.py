@@ -39,6 +39,7 @@ class OverTravel(Effect):
     room: float = 0.0
 
     settings: ClassVar[tuple[str, ...]] = ("first", "span", "length", "size", "room")
+    local: ClassVar[bool] = True
 
     @cached_property
     def sizes(self) -> Array:
@@ -52,10 +53,6 @@ class OverTravel(Effect):
         """The same over a range."""
         first, span, room = ends
         return replace(self, first=first, span=span, room=room)
-
-    @property
-    def local(self) -> bool:
-        return True
 
     @property
     def kin(self) -> Hashable:

@@ -39,10 +39,7 @@ class BySetup(Unnamed):
 
     depends: ClassVar[Depends] = frozenset({"setup"})
     dated: ClassVar[bool] = True
-
-    @property
-    def unit(self) -> str:
-        return "1"
+    unit: ClassVar[str] = "1"
 
     def x(self, problem: Problem) -> Array:
         return problem.campaign.poses.setup.astype(float)
@@ -115,9 +112,7 @@ class ScaleAnew(Anew, InstrumentEffect):
     variant: str = "scale anew"
     size: float = 1e-5
 
-    @property
-    def variable(self) -> str:
-        return "the campaign: the scale of all lengths is not the same in all"
+    variable: ClassVar[str] = "the campaign: the scale of all lengths is not the same in all"
 
     def seen(self, problem: Problem, points: Array) -> Array:
         return np.asarray(points[..., None] * self._before_last(problem)[:, None, None])
@@ -153,14 +148,11 @@ class GeometryAnew(Anew, DirectEffect):
     motions: float = 36.0
 
     settings: ClassVar[tuple[str, ...]] = ("size", "others", "motions")
+    variable: ClassVar[str] = "the campaign: the geometry of the robot is not the same in all"
 
     @property
     def functions(self) -> int:
         return int(self.others * self.motions)
-
-    @property
-    def variable(self) -> str:
-        return "the campaign: the geometry of the robot is not the same in all"
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         return each(range(6, 6 + int(self.motions)), self._before_last(problem))
@@ -196,10 +188,7 @@ class CarriedAnew(BySetup, LoadEffect):
     usual: float = 1.0
 
     settings: ClassVar[tuple[str, ...]] = ("size", "usual")
-
-    @property
-    def functions(self) -> int:
-        return 4
+    functions: ClassVar[int] = 4
 
     @property
     def params(self) -> tuple[Param, ...]:

@@ -196,18 +196,12 @@ class Zeros(Unnamed, DirectEffect):
 
     depends: ClassVar[Depends] = frozenset({"time"})
     settings: ClassVar[tuple[str, ...]] = ("size", "start", "constant", "motions")
+    variable: ClassVar[str] = "time (the joints' zeros move)"
+    unit: ClassVar[str] = "s"
 
     @property
     def functions(self) -> int:
         return int(self.motions)
-
-    @property
-    def variable(self) -> str:
-        return "time (the joints' zeros move)"
-
-    @property
-    def unit(self) -> str:
-        return "s"
 
     def x(self, problem: Problem) -> Array:
         return since_start(problem, self.start)
@@ -234,18 +228,9 @@ class Warmth(Unnamed, DirectEffect):
     size: float = 3e-5
 
     depends: ClassVar[Depends] = frozenset({"temperature"})
-
-    @property
-    def functions(self) -> int:
-        return 6
-
-    @property
-    def variable(self) -> str:
-        return "temperature"
-
-    @property
-    def unit(self) -> str:
-        return "K"
+    functions: ClassVar[int] = 6
+    variable: ClassVar[str] = "temperature"
+    unit: ClassVar[str] = "K"
 
     def x(self, problem: Problem) -> Array:
         return np.zeros(len(problem.q)) if problem.warmth is None else np.asarray(problem.warmth)
@@ -270,18 +255,12 @@ class PerPayload(Unnamed, DirectEffect):
     depends: ClassVar[Depends] = frozenset({"payload"})
     by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "others")
+    variable: ClassVar[str] = "payload"
+    unit: ClassVar[str] = "1"
 
     @property
     def functions(self) -> int:
         return 6 * int(self.others)
-
-    @property
-    def variable(self) -> str:
-        return "payload"
-
-    @property
-    def unit(self) -> str:
-        return "1"
 
     def x(self, problem: Problem) -> Array:
         return problem.campaign.poses.payload.astype(float)
@@ -305,18 +284,9 @@ class Attitude(Unnamed, DirectEffect):
 
     depends: ClassVar[Depends] = frozenset({"joints"})
     by_loads: ClassVar[bool] = True
-
-    @property
-    def functions(self) -> int:
-        return 54
-
-    @property
-    def variable(self) -> str:
-        return "attitude of the hand"
-
-    @property
-    def unit(self) -> str:
-        return "1"
+    functions: ClassVar[int] = 54
+    variable: ClassVar[str] = "attitude of the hand"
+    unit: ClassVar[str] = "1"
 
     def x(self, problem: Problem) -> Array:
         return np.asarray(problem.rigid.R[-1][:, 2, 2])

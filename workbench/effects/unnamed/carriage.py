@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -27,9 +28,7 @@ class UnevenCarriage(Uneven):
 
     variant: str = "uneven carriage"
 
-    @property
-    def functions(self) -> int:
-        return 3
+    functions: ClassVar[int] = 3
 
     @property
     def variable(self) -> str:

@@ -28,6 +28,7 @@ class Foot(Uneven):
     axis: float = 0.0
 
     settings: ClassVar[tuple[str, ...]] = (*Uneven.settings, "axis")
+    like: ClassVar[str] = "a base that tips, as on a short foot"
 
     @property
     def functions(self) -> int:
@@ -38,10 +39,6 @@ class Foot(Uneven):
         side = round(np.degrees(self.axis))
         about = f"about the axis at {side}° to its x, as on a foot that lifts"
         return f"overturning moment (the base tips {about})"
-
-    @property
-    def like(self) -> str:
-        return "a base that tips, as on a short foot"
 
     def moment(self, problem: Problem) -> Array:
         """(N, 1) [N·m] overturning moment about the axis."""

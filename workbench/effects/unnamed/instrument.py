@@ -38,17 +38,11 @@ class ByInstrument(Unnamed, InstrumentEffect):
         "measure some of the poses from another place of the instrument, as another `setup`: what is of the "
         "robot stays, what is of the instrument goes along with it"
     )
+    like: ClassVar[str] = "the instrument's own error, not the robot's"
+    lasting: ClassVar[bool] = False
 
     def x(self, problem: Problem) -> Array:
         return _bearing(problem.campaign.points)
-
-    @property
-    def like(self) -> str:
-        return "the instrument's own error, not the robot's"
-
-    @property
-    def lasting(self) -> bool:
-        return False
 
 
 @dataclass(frozen=True)
@@ -57,13 +51,8 @@ class Bearing(ByInstrument):
 
     variant: str = "bearing"
 
-    @property
-    def functions(self) -> int:
-        return 10
-
-    @property
-    def variable(self) -> str:
-        return "bearing from the instrument"
+    functions: ClassVar[int] = 10
+    variable: ClassVar[str] = "bearing from the instrument"
 
     def seen(self, problem: Problem, points: Array) -> Array:
         turn = np.stack([-points[..., 1], points[..., 0], np.zeros_like(points[..., 0])], axis=-1)
@@ -98,13 +87,8 @@ class Head(FromHead):
 
     variant: str = "head"
 
-    @property
-    def functions(self) -> int:
-        return 19
-
-    @property
-    def variable(self) -> str:
-        return "range, azimuth and elevation from the instrument"
+    functions: ClassVar[int] = 19
+    variable: ClassVar[str] = "range, azimuth and elevation from the instrument"
 
     def seen(self, problem: Problem, points: Array) -> Array:
         away, azimuth, elevation, ray, across = _polar(problem)
@@ -134,18 +118,9 @@ class Ranging(FromHead):
     span: float = 1.0
 
     settings: ClassVar[tuple[str, ...]] = (*FromHead.settings, "start", "span")
-
-    @property
-    def functions(self) -> int:
-        return WAVES_IN_TIME
-
-    @property
-    def variable(self) -> str:
-        return "time (the instrument's range moves)"
-
-    @property
-    def unit(self) -> str:
-        return "s"
+    variable: ClassVar[str] = "time (the instrument's range moves)"
+    unit: ClassVar[str] = "s"
+    functions: ClassVar[int] = WAVES_IN_TIME
 
     @property
     def params(self) -> tuple[Param, ...]:
@@ -209,9 +184,7 @@ class Reflectors(OfReflectors):
 
     variant: str = "reflectors"
 
-    @property
-    def variable(self) -> str:
-        return "the reflector, whose range from the instrument is off"
+    variable: ClassVar[str] = "the reflector, whose range from the instrument is off"
 
     def by(self, problem: Problem, ray: Array) -> Array:
         return np.ones((*ray.shape[:2], 1))

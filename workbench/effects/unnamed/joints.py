@@ -26,10 +26,7 @@ class Pair(Unnamed, TransmissionEffect):
 
     settings: ClassVar[tuple[str, ...]] = ("size", "own", "other")
     by_motor: ClassVar[bool] = False
-
-    @property
-    def functions(self) -> int:
-        return 7
+    functions: ClassVar[int] = 7
 
     @property
     def variable(self) -> str:
@@ -62,10 +59,7 @@ class Product(Unnamed, TransmissionEffect):
 
     settings: ClassVar[tuple[str, ...]] = ("size", "third")
     by_motor: ClassVar[bool] = False
-
-    @property
-    def functions(self) -> int:
-        return 36
+    functions: ClassVar[int] = 36
 
     @property
     def variable(self) -> str:
@@ -96,9 +90,7 @@ class SideBands(Unnamed, TransmissionEffect):
 
     variant: str = "side bands"
 
-    @property
-    def functions(self) -> int:
-        return 4
+    functions: ClassVar[int] = 4
 
     @property
     def cycles(self) -> float:
@@ -135,10 +127,7 @@ class Tilt(Unnamed, DirectEffect):
     size: float = 5e-5
 
     depends: ClassVar[Depends] = frozenset({"joints"})
-
-    @property
-    def functions(self) -> int:
-        return 8
+    functions: ClassVar[int] = 8
 
     @property
     def variable(self) -> str:
@@ -168,6 +157,7 @@ class Side(Unnamed, TransmissionEffect):
 
     settings: ClassVar[tuple[str, ...]] = ("size", "mean")
     depends: ClassVar[Depends] = frozenset({"joints", "side"})
+    unit: ClassVar[str] = "1"
 
     @property
     def functions(self) -> int:
@@ -176,10 +166,6 @@ class Side(Unnamed, TransmissionEffect):
     @property
     def variable(self) -> str:
         return f"approach of {self.where.joint}"
-
-    @property
-    def unit(self) -> str:
-        return "1"
 
     def x(self, problem: Problem) -> Array:
         side = problem.campaign.poses.side

@@ -32,14 +32,8 @@ class OfLink(Unnamed, DirectEffect):
     depends: ClassVar[Depends] = frozenset({"joints"})
     by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "largest")
-
-    @property
-    def functions(self) -> int:
-        return 1
-
-    @property
-    def unit(self) -> str:
-        return "N"
+    functions: ClassVar[int] = 1
+    unit: ClassVar[str] = "N"
 
     def slot(self, problem: Problem) -> int:
         """At the link's end."""
@@ -148,18 +142,12 @@ class UnevenBending(OfLink):
     variant: str = "uneven bending"
 
     depends: ClassVar[Depends] = frozenset({"load"})
-
-    @property
-    def functions(self) -> int:
-        return 2
+    functions: ClassVar[int] = 2
+    unit: ClassVar[str] = "N·m³"
 
     @property
     def variable(self) -> str:
         return f"bending load of {self.where.link}"
-
-    @property
-    def unit(self) -> str:
-        return "N·m³"
 
     def x(self, problem: Problem) -> Array:
         return self.usual_shift(problem)

@@ -36,18 +36,12 @@ class Torque(Unnamed, DirectEffect):
     depends: ClassVar[Depends] = frozenset({"load"})
     by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "largest")
-
-    @property
-    def functions(self) -> int:
-        return 2
+    functions: ClassVar[int] = 2
+    unit: ClassVar[str] = "N·m"
 
     @property
     def variable(self) -> str:
         return f"torque of {self.where.joint}"
-
-    @property
-    def unit(self) -> str:
-        return "N·m"
 
     def x(self, problem: Problem) -> Array:
         return _own_load(problem, problem.joint(self.where.joint))
@@ -81,18 +75,12 @@ class Load(Unnamed, DirectEffect):
     depends: ClassVar[Depends] = frozenset({"load"})
     by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "force", "moment")
-
-    @property
-    def functions(self) -> int:
-        return 36
+    functions: ClassVar[int] = 36
+    unit: ClassVar[str] = "N·m"
 
     @property
     def variable(self) -> str:
         return f"load on {self.where.joint}"
-
-    @property
-    def unit(self) -> str:
-        return "N·m"
 
     def x(self, problem: Problem) -> Array:
         return np.asarray(np.linalg.norm(self.wrench(problem)[:, RX:], axis=1))
@@ -136,6 +124,7 @@ class OwnWeights(Unnamed, DirectEffect):
     depends: ClassVar[Depends] = frozenset({"joints"})
     by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "links")
+    unit: ClassVar[str] = "m"
 
     @property
     def functions(self) -> int:
@@ -144,10 +133,6 @@ class OwnWeights(Unnamed, DirectEffect):
     @property
     def variable(self) -> str:
         return f"weights beyond {self.where.joint}, which the model lacks"
-
-    @property
-    def unit(self) -> str:
-        return "m"
 
     def x(self, problem: Problem) -> Array:
         """(N,) [m] lever of a weight at the flange."""
@@ -191,10 +176,7 @@ class Uneven(Unnamed, DirectEffect):
     depends: ClassVar[Depends] = frozenset({"load"})
     by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "largest")
-
-    @property
-    def unit(self) -> str:
-        return "N·m"
+    unit: ClassVar[str] = "N·m"
 
     def x(self, problem: Problem) -> Array:
         return np.asarray(np.linalg.norm(self.moment(problem), axis=1))
@@ -283,20 +265,14 @@ class StatedForces(Unnamed, LoadEffect):
     size: float = 0.02
 
     depends: ClassVar[Depends] = frozenset({"load"})
-
-    @property
-    def functions(self) -> int:
-        return 1
+    functions: ClassVar[int] = 1
+    variable: ClassVar[str] = "the external forces, as far as all are off"
 
     @property
     def params(self) -> tuple[Param, ...]:
         return (
             Param("scale", "1", self.size, "external forces over the stated, minus one", spread=self.size),
         )
-
-    @property
-    def variable(self) -> str:
-        return "the external forces, as far as all are off"
 
     def x(self, problem: Problem) -> Array:
         return np.asarray(np.linalg.norm(problem.campaign.poses.wrench[:, :RX], axis=1))
