@@ -13,7 +13,7 @@ from workbench.campaign.problem import problem_of
 from workbench.diagnosis.result import Diagnosis, Finding, Rival, Stage
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.telling.evidence import structure_evidence
-from workbench.diagnosis.telling.headline import headline
+from workbench.diagnosis.telling.headline import Errors, headline
 from workbench.effects.backlash import Backlash
 from workbench.effects.place import Where
 from workbench.effects.records import from_record, record
@@ -448,7 +448,7 @@ def test_a_headline_begins_with_what_is_most_of_it(brought, first):
         for name, rms in (("nominal", 0.7), ("geometry", 0.11), ("all", 0.05))
     ]
     cause = Finding("gear_ratio", "Ratio", Where(joint="joint_1"), "named", brought, 1.0)
-    said = headline("unknown", [cause], stages, brought, 0.05, 0.01, 0.05, stages[1])
+    said = headline("unknown", [cause], Errors(stages, stages[1], 0.11 - brought, 0.05, 0.01, 0.05))
     assert said.startswith(first)
     assert "no known cause explains" in said
     assert f"the causes bring {brought:.3f} of the 0.060 mm" in said
@@ -467,14 +467,14 @@ def test_a_headline_says_a_cause_once_with_all_its_places():
             ("joint_compliance", Where(joint="joint_3"), 0.01),
         )
     ]
-    said = headline("named", causes, stages, 0.06, 0.05, 0.01, 0.05, stages[1])
+    said = headline("named", causes, Errors(stages, stages[1], 0.05, 0.05, 0.01, 0.05))
     assert said.startswith("Found: joint compliance in joint_2 and joint_3, gravity compensator. Held-out")
     soft, zone = (("joint_compliance", causes[0].where, 0.7), ("lost_motion", causes[0].where, 0.3))
     each_other = [
         Finding(a[0], "", a[1], "ambiguous", 0.03, a[2], rivals=(Rival(*b),))
         for a, b in ((soft, zone), (zone, soft))
     ]
-    said = headline("ambiguous", each_other, stages, 0.06, 0.05, 0.01, 0.05, stages[1])
+    said = headline("ambiguous", each_other, Errors(stages, stages[1], 0.05, 0.05, 0.01, 0.05))
     assert said.startswith("Not decided: joint compliance in joint_2 or lost motion in joint_2. Held-out")
 
 

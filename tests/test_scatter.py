@@ -11,7 +11,7 @@ from workbench.campaign import Target
 from workbench.diagnosis.noise.scatter import beyond_all, with_scatter
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.result import Stage
-from workbench.diagnosis.telling.headline import headline
+from workbench.diagnosis.telling.headline import Errors, headline
 from workbench.effects.base import UNKNOWN
 from workbench.measurement.sweep import sweep
 
@@ -146,7 +146,9 @@ def test_scatter_as_small_as_a_robots_is_its_repeatability_and_no_cause():
 
 def test_the_headline_says_how_the_robot_seems_to_repeat():
     stages = [Stage("nominal", 0, 1.0, 1.0, 1.0, 1.0), Stage("geometry", 18, 0.03, 0.03, 0.03, 0.03)]
-    said = headline("nothing_missing", [], stages, 0.0, 0.03, 0.008, 0.03, stages[1], repeatability_mm=0.043)
+    said = headline(
+        "nothing_missing", [], Errors(stages, stages[1], 0.03, 0.03, 0.008, 0.03), repeatability_mm=0.043
+    )
     assert said.startswith("Nothing is missing, though the robot seems to repeat to 0.043 mm only: geometry ")
     assert "an error of 0.008 mm RMS beyond it would have shown" in said
 

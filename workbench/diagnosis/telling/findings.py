@@ -19,7 +19,7 @@ from ...robot.kinematics import Array
 from ..data_faults.rounded_joints import rounded_joints
 from ..prepared import Prepared
 from ..priors import PRIORS
-from ..result import Diagnosis, Finding, GivenFact, NotTestable, Rival
+from ..result import Diagnosis, Finding, GivenFact, NotTestable, Rival, Stage
 from ..search.competition import SHOWS, Selection
 from ..search.stages import geometry_alone, pose_errors, rms_mm, stages_of
 from ..weighing.chosen import Shares
@@ -28,7 +28,7 @@ from ..weighing.remainder import Remainder, beyond_forms, remainder, repeatabili
 from .ceiling import ceiling_mm
 from .evidence import evidence
 from .facts import facts, geometry, of_campaigns, unidentifiable
-from .headline import headline, much_left, remarks, shows_in, steps, verdict_of
+from .headline import Errors, headline, remarks, shows_in, steps, verdict_of
 from .in_the_model import InModel, beside_the_model, has
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
@@ -55,32 +55,22 @@ class Parts:
 def assemble(parts: Parts) -> Diagnosis:
     """The Diagnosis."""
     prepared, selection, final = parts.prepared, parts.selection, parts.selection.fit
-    problem, known, c = prepared.problem, prepared.noise_known, prepared.problem.campaign
-    groups = selection.groups
+    problem, c = prepared.problem, prepared.problem.campaign
     alone = geometry_alone(prepared)
-    stages = stages_of(prepared, alone, final, groups, parts.seed)
-    base = stages[1 if alone is prepared.geometry else 2]
+    stages = stages_of(prepared, alone, final, selection.groups, parts.seed)
+    errors = _errors(parts, stages, stages[1 if alone is prepared.geometry else 2])
     left, beyond = _left(prepared, selection)
-    best = stages[-1].heldout_rms_mm
-    with_names = stages[stages.index(base) + len(groups)].heldout_rms_mm
-    sure = _how_sure(parts) if groups else final.covariance
-    findings = [_finding(parts, *group, sure) for group in groups]
-    ceiling = min(best, ceiling_mm(final, parts.candidates))
-    brought = base.heldout_rms_mm - with_names
-    noise_mm = 1e3 * float(np.sqrt(3) * final.usual)
     rounded = rounded_joints(final, prepared.geometry, prepared.noise, beyond)
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
-    nameless = nameless_of(selection, with_names - best)
-    rest = with_names - ceiling
-    much = left.scatter and much_left(brought, rest)
-    more = left if much else beyond  # so much is no part of causes that are off their forms
-    if not nameless and more.scatter and repeats_to is None:
-        nameless = [scattering(selection, more, prepared.covariance, best)]
-    nameless = [_with_comparison(one, problem) for one in nameless]
-    verdict = verdict_of(findings, nameless, brought, rest)
-    told = {(f.cause, f.where.any_order) for f in findings}
-    told |= {(rival.cause, rival.where.any_order) for f in findings for rival in f.rivals}
-    findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
+    named = _named(parts)
+    # so much is no part of causes that are off their forms
+    more = left if left.scatter and errors.much_left else beyond
+    nameless = _nameless(parts, errors, more if repeats_to is None else None)
+    verdict = verdict_of(named, nameless, errors)
+    findings = _beside_what_is_found([*named, *nameless])
+    line = headline(
+        verdict, findings, errors, parts.given, repeats_to, shows_in(prepared, left, errors.noise)
+    )
     return Diagnosis(
         robot=problem.robot.name,
         robot_title=problem.robot.title,
@@ -90,28 +80,14 @@ def assemble(parts: Parts) -> Diagnosis:
         noise=prepared.noise,
         stages=tuple(stages),
         verdict=verdict,
-        headline=headline(
-            verdict,
-            findings,
-            stages,
-            brought,
-            ceiling,
-            visible_mm(final, parts.candidates),
-            noise_mm,
-            base,
-            parts.given,
-            repeats_to,
-            shows_in(prepared, left, noise_mm),
-            0.0 if final.lasting is final else rms_mm(heldout(final.lasting, seed=parts.seed)),
-        )
-        + steps(prepared.faults),
+        headline=line + steps(prepared.faults),
         causes=tuple(findings),
-        ceiling_mm=ceiling,
+        ceiling_mm=errors.ceiling,
         remainder_chi2=left.chi2,
         remainder_dof=left.dof,
         remainder_p=left.p,
-        not_testable=(*parts.not_testable, *swallowed(parts.candidates, prepared.geometry, final, told)),
-        detectable=tuple(detectable(parts.candidates, final, known)),
+        not_testable=(*parts.not_testable, *_swallowed(parts, named)),
+        detectable=tuple(detectable(parts.candidates, final, prepared.noise_known)),
         faults=prepared.faults + rounded,
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
         given=parts.given,
@@ -133,6 +109,43 @@ def assemble(parts: Parts) -> Diagnosis:
         version=__version__,
         inputs=c.files,
     )
+
+
+def _errors(parts: Parts, stages: Sequence[Stage], base: Stage) -> Errors:
+    """What the verdict weighs."""
+    final = parts.selection.fit
+    return Errors(
+        stages=stages,
+        base=base,
+        with_names=stages[stages.index(base) + len(parts.selection.groups)].heldout_rms_mm,
+        ceiling=min(stages[-1].heldout_rms_mm, ceiling_mm(final, parts.candidates)),
+        visible=visible_mm(final, parts.candidates),
+        noise=1e3 * float(np.sqrt(3) * final.usual),
+        lasting=0.0 if final.lasting is final else rms_mm(heldout(final.lasting, seed=parts.seed)),
+    )
+
+
+def _named(parts: Parts) -> list[Finding]:
+    """The causes, by what they gain."""
+    groups, final = parts.selection.groups, parts.selection.fit
+    sure = _how_sure(parts) if groups else final.covariance
+    return sorted((_finding(parts, *group, sure) for group in groups), key=lambda finding: -finding.gain_mm)
+
+
+def _nameless(parts: Parts, errors: Errors, more: Remainder | None) -> list[Finding]:
+    """What has no name. more: what is left for that, where it is not how the robot repeats."""
+    best = errors.stages[-1].heldout_rms_mm
+    found = nameless_of(parts.selection, errors.with_names - best)
+    if not found and more is not None and more.scatter:
+        found = [scattering(parts.selection, more, parts.prepared.covariance, best)]
+    return [_with_comparison(one, parts.prepared.problem) for one in found]
+
+
+def _swallowed(parts: Parts, named: Sequence[Finding]) -> list[NotTestable]:
+    """Causes that the geometry takes up, but for what is told of already."""
+    told = {(f.cause, f.where.any_order) for f in named}
+    told |= {(rival.cause, rival.where.any_order) for f in named for rival in f.rivals}
+    return swallowed(parts.candidates, parts.prepared.geometry, parts.selection.fit, told)
 
 
 def _unweighed(problem: Problem) -> list[str]:

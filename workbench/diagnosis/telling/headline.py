@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from ...effects import called
 from ...effects.base import UNKNOWN, Effect
@@ -19,17 +20,42 @@ MORE = 1.1  # times the held-out error: what a model without what does not last 
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
 
-def much_left(brought_mm: float, rest_mm: float) -> bool:
-    """Whether more than a share of what the causes brought is left for a smooth model (as `verdict_of`)."""
-    return rest_mm > SMALL_REST * max(brought_mm, 0.0)
+@dataclass(frozen=True)
+class Errors:
+    """What a verdict weighs, in mm RMS of poses held out. stages: of the diagnosis; base: that before any
+    cause, of geometry or of that and of what was given; with_names: with all causes that have names; ceiling:
+    what all smooth terms tried reach; visible: size of an error beyond geometry that these data would have
+    shown; noise: length of a point's noise; lasting: of the model without what goes with time, order or the
+    instrument, 0 where it has nothing such."""
+
+    stages: Sequence[Stage]
+    base: Stage
+    with_names: float
+    ceiling: float
+    visible: float
+    noise: float
+    lasting: float = 0.0
+
+    @property
+    def brought(self) -> float:
+        """What the causes brought."""
+        return self.base.heldout_rms_mm - self.with_names
+
+    @property
+    def much_left(self) -> bool:
+        """Whether more than a share of what the causes brought is left for a smooth model."""
+        return self.with_names - self.ceiling > SMALL_REST * max(self.brought, 0.0)
+
+    @property
+    def with_given(self) -> bool:
+        """Whether something was given."""
+        return self.base is not self.stages[1]
 
 
-def verdict_of(
-    findings: Sequence[Finding], nameless: Sequence[Finding], brought_mm: float, rest_mm: float
-) -> Verdict:
+def verdict_of(findings: Sequence[Finding], nameless: Sequence[Finding], errors: Errors) -> Verdict:
     """The one word for all findings: unknown where what has no name is worth more than a share of what the
-    causes brought. brought_mm, rest_mm: held-out gain of the causes, and of all smooth terms beyond them."""
-    if nameless and (not findings or much_left(brought_mm, rest_mm)):
+    causes brought."""
+    if nameless and (not findings or errors.much_left):
         return "unknown"
     if not findings:
         return "nothing_missing"
@@ -39,22 +65,37 @@ def verdict_of(
 def headline(
     verdict: Verdict,
     findings: Sequence[Finding],
-    stages: Sequence[Stage],
-    brought_mm: float,
-    ceiling_mm: float,
-    visible_mm: float,
-    noise_mm: float,
-    base: Stage,
+    errors: Errors,
     given: Sequence[GivenFact] = (),
     repeatability_mm: float | None = None,
     in_what: str = "",
-    lasting_mm: float = 0.0,
 ) -> str:
-    """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
-    beyond geometry that these data would have shown; noise_mm: RMS length of a point's noise; base: the stage
-    before any cause, of geometry or of that and of what was given; repeatability_mm: of the robot, where that
-    is all that is left; in_what: as `shows_in` says it; lasting_mm: RMS on poses held out, of
-    the model without what goes with time, order or the instrument."""
+    """The verdict in one line; the numbers follow after the first full stop. repeatability_mm: of the robot,
+    where that is all that is left; in_what: as `shows_in` says it."""
+    said = _found(findings, given)
+    nothing = verdict == "nothing_missing"
+    after = (errors.base if nothing else errors.stages[-1]).heldout_rms_mm
+    few = after > MOST_SPREAD * errors.noise
+    gain = _gain(errors, after)
+    if nothing and few:
+        times = f"{after / errors.noise:.1f} times the noise of {errors.noise:.3f} mm"
+        return f"Too few poses to say: at others the fitted robot is off by {times}. {gain}."
+    if nothing:
+        missing = f"{said}; beyond that nothing is missing" if said else "Nothing is missing"
+        return f"{missing}{in_what}{_explained(errors, repeatability_mm)}. {gain}."
+    if few and errors.base.heldout_rms_mm > errors.stages[0].heldout_rms_mm:
+        said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"
+    best = max(errors.base.heldout_rms_mm - errors.ceiling, 0.0)
+    gain += f"; the causes bring {errors.brought:.3f} of the {best:.3f} mm that all smooth terms tried bring."
+    if verdict != "unknown":
+        return f"{said}. {gain}"
+    left = _left(findings)
+    first, then = (said, left) if errors.brought > best / 2 else (left, said)  # what is most of it leads
+    return f"{first}{f'; {then[0].lower()}{then[1:]}' if then else ''}. {gain}"
+
+
+def _found(findings: Sequence[Finding], given: Sequence[GivenFact]) -> str:
+    """Causes that were found, that are gone, that are open, and given ones that the data confirm."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = by_cause([f for f in causes if f.status == "named" and not f.taken_back])
     parts = [f"Found: {_some(sure)}"] if sure else []
@@ -67,46 +108,44 @@ def headline(
     confirmed = [fact.differs for fact in given if fact.differs]
     if confirmed:
         parts.append(f"{'given' if parts else 'Given'} and confirmed: {_some(confirmed)}")
-    said = "; ".join(parts)
-    after = (base if verdict == "nothing_missing" else stages[-1]).heldout_rms_mm
-    elsewhere = (
-        f" ({lasting_mm:.3f} mm without what only this campaign has)" if lasting_mm > MORE * after else ""
-    )
+    return "; ".join(parts)
+
+
+def _gain(errors: Errors, after: float) -> str:
+    """The error before and after."""
+    lasts = f" ({errors.lasting:.3f} mm without what only this campaign has)"
+    elsewhere = lasts if errors.lasting > MORE * after else ""
+    nominal, geometry = (stage.heldout_rms_mm for stage in errors.stages[:2])
     gain = (
-        f"Held-out error {stages[0].heldout_rms_mm:.3f} → {after:.3f} mm RMS{elsewhere}, "
-        f"{stages[1].heldout_rms_mm:.3f} mm with geometry alone"
+        f"Held-out error {nominal:.3f} → {after:.3f} mm RMS{elsewhere}, {geometry:.3f} mm with geometry alone"
     )
-    with_given = base is not stages[1]
-    if with_given:
-        gain += f", {base.heldout_rms_mm:.3f} mm with geometry and what was given"
-    few = after > MOST_SPREAD * noise_mm
-    if verdict == "nothing_missing" and few:
-        times = f"{after / noise_mm:.1f} times the noise of {noise_mm:.3f} mm"
-        return f"Too few poses to say: at others the fitted robot is off by {times}. {gain}."
-    if verdict == "nothing_missing":
-        explain = "geometry and what was given explain" if with_given else "geometry explains"
-        power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
-        nothing = f"{said}; beyond that nothing is missing" if said else "Nothing is missing"
-        nothing += in_what
-        if repeatability_mm is None:
-            return f"{nothing}: {explain} these data, and {power}. {gain}."
-        but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"
-        return f"{nothing}, {but}: {explain} the rest, and {power}. {gain}."
-    if few and base.heldout_rms_mm > stages[0].heldout_rms_mm:
-        said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"
-    best = max(base.heldout_rms_mm - ceiling_mm, 0.0)
-    gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that all smooth terms tried bring."
-    if verdict == "unknown":
-        left = "Something is left that no known cause explains"
-        if any(f.cause == UNKNOWN and f.rivals for f in findings):
-            left = "Something is left whose cause is not decided"
-        elif any(f.of_campaigns for f in findings):
-            left = "The robot is not the same in all campaigns"
-        elif like := next((f.like for f in findings if f.like), ""):
-            left = f"Something is left that looks like {like}"
-        first, then = (said, left) if brought_mm > best / 2 else (left, said)  # what is most of it leads
-        return f"{first}{f'; {then[0].lower()}{then[1:]}' if then else ''}. {gain}"
-    return f"{said}. {gain}"
+    if not errors.with_given:
+        return gain
+    return f"{gain}, {errors.base.heldout_rms_mm:.3f} mm with geometry and what was given"
+
+
+def _explained(errors: Errors, repeatability_mm: float | None) -> str:
+    """Behind "nothing is missing": what explains the data, and what would have shown."""
+    explain = "geometry and what was given explain" if errors.with_given else "geometry explains"
+    power = f"an error of {errors.visible:.3f} mm RMS beyond it would have shown"
+    if repeatability_mm is None:
+        return f": {explain} these data, and {power}"
+    but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"
+    return f", {but}: {explain} the rest, and {power}"
+
+
+def _left(findings: Sequence[Finding]) -> str:
+    """What is left that has no name."""
+    if any(f.cause == UNKNOWN and f.rivals for f in findings):
+        return "Something is left whose cause is not decided"
+    if any(f.of_campaigns for f in findings):
+        return "The robot is not the same in all campaigns"
+    like = next((f.like for f in findings if f.like), "")
+    return (
+        f"Something is left that looks like {like}"
+        if like
+        else ("Something is left that no known cause explains")
+    )
 
 
 def shows_in(prepared: Prepared, left: Remainder, noise_mm: float) -> str:
