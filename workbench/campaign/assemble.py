@@ -40,36 +40,22 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
     """The campaign of a checked file and its checked tables; `path` is what messages call it."""
     seen = _sort_points(file, robot, poses, points)
     kept, measured = np.any(seen.shots > 0, axis=1), np.any(seen.shots > 0, axis=0)
-    ids = poses.texts["pose_id"]
     warnings = [*urdf_notes(robot), *seen.warnings, *doubts(poses, points, robot)]
     if not kept.all():
-        missing = [name for name, keep in zip(ids, kept, strict=True) if not keep]
+        missing = [name for name, keep in zip(poses.texts["pose_id"], kept, strict=True) if not keep]
         warnings.append(f"{poses.path}: {_poses(missing)} without points, left out")
-    payload_names = ("", *file.payloads)
-    loads = list(file.payloads.values())
-    setups = _column(poses, "setup", kept)
-    setup_names = tuple(dict.fromkeys(setups))
-    payloads = _column(poses, "payload", kept)
+    payload_names, loads = ("", *file.payloads), list(file.payloads.values())
+    setup_names = tuple(dict.fromkeys(_column(poses, "setup", kept)))
+    carried = _column(poses, "payload", kept)
     warnings += [
-        f"{path}: payload {name!r} is at no measured pose" for name in file.payloads if name not in payloads
+        f"{path}: payload {name!r} is at no measured pose" for name in file.payloads if name not in carried
     ]
-    n = len(robot.joints)
-    nothing = np.zeros(len(poses))
-    wrench = [poses.numbers.get(column.name, nothing) for column in WRENCH_COLUMNS]
-    q = np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)
-    direction, time = _joints(poses, "dir", n, absent=0.0), poses.numbers.get("t")
-    if direction is None:
-        every = _column(poses, "setup", np.ones(len(poses), dtype=bool))
-        direction = sides_along(q, np.unique(every, return_inverse=True)[1], time)
-        if direction is not None:
-            warnings.append(
-                f"{poses.path}: no column dir1 … dir{n}; the poses follow each other along a path, and the "
-                "sides of approach are taken from that"
-            )
+    side, along = _sides(poses, len(robot.joints))
     return Campaign(
         title=file.title or path.resolve().parent.name,
         path=path,
         robot=robot,
+        poses=_kept_poses(poses, kept, len(robot.joints), side, payload_names, setup_names),
         payload_names=payload_names,
         load_mass=np.array([0.0, *(load.mass_kg for load in loads)]),
         load_com=np.array([(0.0, 0.0, 0.0), *(load.com_mm for load in loads)]) * 1e-3,
@@ -83,23 +69,54 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
         shot_scatter=seen.scatter,
         noise_sigma=None if file.noise.sigma_mm is None else file.noise.sigma_mm * 1e-3,
         six_dof=file.noise.pose or file.points.turned_mm is not None,
-        warnings=tuple(warnings),
+        warnings=(*warnings, *along),
         cell=beside(file.cell, path),
         known=file.known.model_copy(update={"scale": 1.0}),
         files=digests([path, poses.path, points.path, *robot.files]),
-        poses=Poses(
-            ids=tuple(_column(poses, "pose_id", kept)),
-            q=q[kept],
-            payload=np.array([payload_names.index(name) for name in payloads], dtype=np.int64),
-            wrench=np.stack(wrench, axis=1)[kept],
-            side=None if direction is None else direction[kept],
-            time=_optional(time, kept),
-            temperature=_optional(poses.numbers.get("temp"), kept),
-            torque=_optional(_joints(poses, "tau", n), kept),
-            readback=_optional(_joints(poses, "r", n), kept),
-            setup=np.array([setup_names.index(name) for name in setups], dtype=np.int64),
-        ),
     )
+
+
+def _kept_poses(
+    poses: Table,
+    kept: NDArray[np.bool_],
+    n: int,
+    side: Array | None,
+    payload_names: Sequence[str],
+    setup_names: Sequence[str],
+) -> Poses:
+    """What the robot of n joints was told in the kept rows; side: (rows, n) of approach."""
+    nothing = np.zeros(len(poses))
+    wrench = [poses.numbers.get(column.name, nothing) for column in WRENCH_COLUMNS]
+    q = np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)
+    payload, setup = _column(poses, "payload", kept), _column(poses, "setup", kept)
+    return Poses(
+        ids=tuple(_column(poses, "pose_id", kept)),
+        q=q[kept],
+        payload=np.array([payload_names.index(name) for name in payload], dtype=np.int64),
+        wrench=np.stack(wrench, axis=1)[kept],
+        side=None if side is None else side[kept],
+        time=_optional(poses.numbers.get("t"), kept),
+        temperature=_optional(poses.numbers.get("temp"), kept),
+        torque=_optional(_joints(poses, "tau", n), kept),
+        readback=_optional(_joints(poses, "r", n), kept),
+        setup=np.array([setup_names.index(name) for name in setup], dtype=np.int64),
+    )
+
+
+def _sides(poses: Table, n: int) -> tuple[Array | None, list[str]]:
+    """(rows, n) sides of approach as stated, or along a path; None where nobody knows. And a remark."""
+    stated = _joints(poses, "dir", n, absent=0.0)
+    if stated is not None:
+        return stated, []
+    q = np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)
+    every = _column(poses, "setup", np.ones(len(poses), dtype=bool))
+    found = sides_along(q, np.unique(every, return_inverse=True)[1], poses.numbers.get("t"))
+    if found is None:
+        return None, []
+    said = (
+        f"{poses.path}: no column dir1 … dir{n}; the poses follow each other along a path, and the sides of"
+    )
+    return found, [f"{said} approach are taken from that"]
 
 
 def _sort_points(file: CampaignFile, robot: Robot, poses: Table, points: Table) -> _Seen:

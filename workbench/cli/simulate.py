@@ -14,8 +14,12 @@ from .status import warn
 if TYPE_CHECKING:
     import numpy as np
 
+    from ..campaign import Campaign
     from ..campaign.payloads import Load
+    from ..campaign.problem import Problem
+    from ..effects.base import Effect
     from ..robot.description import Robot
+    from ..robot.kinematics import Array
     from .told import Told
 
 RECORDED = {"dir1": "--approach", "t_s": "--hours", "temp_degC": "--warm-degC"}  # columns and their options
@@ -89,18 +93,45 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     import numpy as np
 
-    from ..campaign import payloads, write_campaign
-    from ..campaign.planned import planned
+    from ..campaign import write_campaign
     from ..campaign.problem import problem_of
-    from ..effects.records import check_possible, effect_text, parse_effect
+    from ..effects.records import effect_text
     from ..robot.description import load_robot
-    from ..robot.schema import stated_load
     from ..simulation.virtual_campaign import Truth, idle_effects, random_geometry, simulate
-    from .told import beyond_limits
 
     check_folder(arguments.out)
     robot = load_robot(arguments.robot)
     rng = np.random.default_rng([arguments.seed, 11])
+    plan = _planned(arguments, robot, rng)
+    problem = problem_of(plan)
+    effects = _effects(arguments, problem)
+    lengths, angles = 1e-3 * arguments.geometry_mm, 1e-3 * arguments.geometry_mrad
+    truth = Truth(
+        geometry=random_geometry(problem.arm, rng, lengths, angles),
+        effects=effects,
+        sigma=1e-3 * arguments.sigma_mm,
+    )
+    try:
+        campaign = simulate(plan, truth, seed=arguments.seed, shots=arguments.shots)
+    except InputError as error:
+        raise InputError([_with_option(fault) for fault in error.faults]) from None
+    for effect in idle_effects(plan, truth):
+        said = "moves no point in these poses: it has nothing to act on (masses, payload, stiffness?)"
+        warn(f"{effect.label} {said}")
+    hidden = [f"simulated, seed {arguments.seed}", *(f"hidden: {effect_text(e, v)}" for e, v in effects)]
+    write_campaign(arguments.out, campaign, comments=hidden)
+    facts = {"robot": robot.name, "n_poses": len(campaign.poses.q), "folder": str(arguments.out)}
+    said = f"{len(campaign.poses.q)} poses written to {arguments.out}/campaign.toml"
+    print(json.dumps(facts) if arguments.json else said)
+
+
+def _planned(arguments: argparse.Namespace, robot: Robot, rng: np.random.Generator) -> Campaign:
+    """What is to be measured."""
+    from ..campaign import payloads
+    from ..campaign.planned import planned
+    from ..robot.schema import stated_load
+    from .told import beyond_limits
+
     poses, loads = _told(arguments, robot, rng)
     if robot.mounted and not arguments.tool:
         loads = loads | {robot.mounted: stated_load(robot.payloads[robot.mounted])}
@@ -120,30 +151,17 @@ def run(arguments: argparse.Namespace) -> None:
     )
     for words in beyond_limits(robot, poses.q):
         warn(words)
-    if poses.ids:
-        plan = plan.with_poses(ids=poses.ids)
-    problem = problem_of(plan)
+    return plan.with_poses(ids=poses.ids) if poses.ids else plan
+
+
+def _effects(arguments: argparse.Namespace, problem: Problem) -> tuple[tuple[Effect, Array], ...]:
+    """What is hidden, with its values. Raises `InputError` for what cannot be."""
+    from ..effects.records import check_possible, parse_effect
+
     effects = tuple(parse_effect(text, problem) for text in arguments.effect)
     for text, (effect, values) in zip(arguments.effect, effects, strict=True):
         check_possible(text, effect, values)
-    lengths, angles = 1e-3 * arguments.geometry_mm, 1e-3 * arguments.geometry_mrad
-    truth = Truth(
-        geometry=random_geometry(problem.arm, rng, lengths, angles),
-        effects=effects,
-        sigma=1e-3 * arguments.sigma_mm,
-    )
-    try:
-        campaign = simulate(plan, truth, seed=arguments.seed, shots=arguments.shots)
-    except InputError as error:
-        raise InputError([_with_option(fault) for fault in error.faults]) from None
-    for effect in idle_effects(plan, truth):
-        said = "moves no point in these poses: it has nothing to act on (masses, payload, stiffness?)"
-        warn(f"{effect.label} {said}")
-    hidden = [f"simulated, seed {arguments.seed}", *(f"hidden: {effect_text(e, v)}" for e, v in effects)]
-    write_campaign(arguments.out, campaign, comments=hidden)
-    facts = {"robot": robot.name, "n_poses": len(campaign.poses.q), "folder": str(arguments.out)}
-    said = f"{len(campaign.poses.q)} poses written to {arguments.out}/campaign.toml"
-    print(json.dumps(facts) if arguments.json else said)
+    return effects
 
 
 def _with_option(fault: Fault) -> Fault:
