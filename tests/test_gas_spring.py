@@ -10,6 +10,7 @@ import pytest
 from workbench.campaign import Campaign
 from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import Problem, problem_of
+from workbench.effects.joint_compliance import JointCompliance
 from workbench.files.faults import InputError
 from workbench.identification.gravity_compensator.charge import EFFECTS, identify_charge
 from workbench.identification.gravity_compensator.gas_spring import Linkage, added_stiffness, bias, linkage
@@ -19,7 +20,6 @@ from workbench.measurement.load_pairs import (
     compliances,
     difference_rows,
     fit_pairs,
-    grouped,
     measure_pairs,
     pairs,
 )
@@ -153,21 +153,19 @@ def test_charge_without_torque_or_compensator_is_refused(measured: Campaign) -> 
         identify_charge(bare, "points")
 
 
-def test_compliances_by_group_come_out_of_loaded_minus_unloaded() -> None:
+def test_compliances_come_out_of_loaded_minus_unloaded() -> None:
     robot = load_robot("kr120")
     q = random_poses(robot, 12, np.random.default_rng(6))
-    group = [0, 1] * 12
     pull = np.zeros((12, 3))
     pull[:4, 1] = 500.0
     plan = pairs(robot, q, (120.0, (0.2, 0.0, 0.1)), pull, TARGETS, (20.0, (0.0, 0.0, 0.1)))
     assert difference_rows(plan).shape == (12, 9, 6)
     fixed = replace(plan, targets=tuple(replace(target, fixed=True) for target in plan.targets))
     still = measure_pairs(fixed, Truth(sigma=1e-5), 2, (np.eye(3), np.zeros(3)))
-    found = fit_pairs(still, lambda job: grouped(job, "joint_2", group), 1e-5)
+    found = fit_pairs(still, JointCompliance.sites, 1e-5)
     values, std = compliances(found)
     k = [1 / (joint.data.stiffness or np.inf) for joint in robot.joints]
-    np.testing.assert_array_less(abs(values - [k[0], k[1], *k[1:]]), 4 * std)
-    assert len({effect.label for effect in found.model.effects}) == 7
+    np.testing.assert_array_less(abs(values - k), 4 * std)
 
 
 # KUKA KR 300, Robot_Identification (Weigand, public): the gauge at nine angles of joint 2, and its geometry

@@ -36,7 +36,7 @@ from workbench.simulation.closed_loop.drives import drives
 from workbench.simulation.closed_loop.dynamics import Along, Dynamics
 from workbench.simulation.closed_loop.elastic import inertial_wrenches, with_elastic_lead
 from workbench.simulation.closed_loop.friction import Rubbing, gone_over, mean_on_the_way
-from workbench.simulation.closed_loop.gains import STABLE, gains, spectral_radius
+from workbench.simulation.closed_loop.gains import STABLE, _Linear, gains
 from workbench.simulation.closed_loop.gears import Gears
 from workbench.simulation.closed_loop.limits import Limits, OverLimit
 from workbench.simulation.closed_loop.machine import machine
@@ -61,6 +61,12 @@ def short(name, loads=None, turn=0.1, length=0.5):
     q = low + (0.45 + turn * time[:, None] / length) * (high - low)
     truth = mechanics(robot, Path(time, q=q), q, loads or Conditions())
     return truth, nominal_mechanics(robot, truth), motion(time, q), q
+
+
+def spectral_radius(mechanics, drive, loop, gains, q, factor, later):
+    """Growth of the least stable motion over a position period, at joints q (n,), with `factor` times the
+    gains and `later` [s] more delay; below 1 it dies out."""
+    return _Linear(machine(mechanics, drive), drive, loop, q).least_stable(gains, factor, later)[0]
 
 
 @pytest.mark.parametrize("name", [path.stem for path in list_robots()])

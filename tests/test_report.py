@@ -106,10 +106,9 @@ def test_file_that_cannot_be_moved_leaves_no_rest(robot: Robot, tmp_path: Path) 
 
 
 def test_scene_carries_robot_points_and_both_poses(robot: Robot) -> None:
-    diagnosis = example.diagnosis()
-    assert diagnosis.q is not None
-    alone = scene(diagnosis, robot, diagnosis.q[0])
-    both = scene(diagnosis, robot, diagnosis.q[0], diagnosis.q[0] + 0.02, "under load, × 100")
+    diagnosis, q = example.diagnosis(), np.full(6, 0.3)
+    alone = scene(diagnosis, robot, q)
+    both = scene(diagnosis, robot, q, q + 0.02, "under load, × 100")
     assert "under load, \\u00d7 100" in both
     assert len(both) > len(alone)
     data = json.loads(re.search(r"const data = (\{.*\});", alone)[1])  # type: ignore[index]

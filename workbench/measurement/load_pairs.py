@@ -9,60 +9,23 @@ eqs. (8)–(11), with the workbench's own statics for B and iterated about the l
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..campaign import Campaign, Target
 from ..campaign.planned import planned
 from ..campaign.problem import Problem, problem_of
-from ..effects.base import Effect, Param
+from ..effects.base import Effect
 from ..effects.joint_compliance import JointCompliance
-from ..effects.kinds import AxialYield
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model
 from ..identification.noise import Covariance
 from ..robot.description import Robot
-from ..robot.kinematics import Arm, Array
+from ..robot.kinematics import Array
 from ..simulation.virtual_campaign import Truth, simulate
 
 Load = tuple[float, Sequence[float]]
-
-
-@dataclass(frozen=True)
-class GroupCompliance(AxialYield):
-    """A joint's compliance as its model's, plus `relative` of it in the `poses` marked True only.
-
-    Klimchik et al. (2017) give joint 2 a compliance of its own at each of its angles. For fitting: the mask
-    belongs to one campaign.
-    """
-
-    nominal: float = 0.0
-    poses: tuple[bool, ...] = ()
-
-    cause = JointCompliance.cause
-    title = JointCompliance.title
-
-    @property
-    def params(self) -> tuple[Param, ...]:
-        return (Param("relative", "1", 0.3, "compliance in this group over the model's, minus one"),)
-
-    @classmethod
-    def sites(cls, problem: Problem) -> list[GroupCompliance]:
-        return []
-
-    @property
-    def label(self) -> str:
-        return f"{super().label}[{self.variant}]"
-
-    @property
-    def _whole(self) -> JointCompliance:
-        return JointCompliance(self.where, nominal=self.nominal)
-
-    def law(self, arm: Arm, wrench: Array, values: Array) -> tuple[Array, Array, Array]:
-        motion, by_wrench, by_value = self._whole.law(arm, wrench, values)
-        here = np.asarray(self.poses, dtype=float)
-        return motion * here[:, None], by_wrench * here[:, None, None], by_value * here[:, None, None]
 
 
 def pairs(
@@ -92,19 +55,6 @@ def pairs(
     return plan.with_poses(wrench=wrench)
 
 
-def grouped(problem: Problem, joint: str, group: Sequence[int]) -> list[Effect]:
-    """One compliance per joint, and for `joint` one per group; group: N numbers of the poses', from 0."""
-    out: list[Effect] = []
-    for whole in JointCompliance.sites(problem):
-        if whole.where.joint != joint:
-            out.append(whole)
-            continue
-        for g in sorted(set(group)):
-            mask = tuple(number == g for number in group)
-            out.append(GroupCompliance(whole.where, str(g + 1), whole.nominal, mask))
-    return out
-
-
 def fit_pairs(campaign: Campaign, effects: Callable[[Problem], Sequence[Effect]], sigma: float) -> Fit:
     """Effects from loaded minus unloaded poses; sigma: noise per axis [m]. Geometry stays as it is."""
     problem = problem_of(campaign)
@@ -114,11 +64,6 @@ def fit_pairs(campaign: Campaign, effects: Callable[[Problem], Sequence[Effect]]
     start = replace(start, R=R, t=t, targets=targets)
     noise = Covariance(np.full(problem.seen.shape, sigma), np.zeros(problem.arm.n), np.ones(len(problem.q)))
     return fit(Model(problem, tuple(effects(problem))), start, noise, geometry=False)
-
-
-def fit_beside(campaign: Campaign, effect: Effect, sigma: float) -> Fit:
-    """One compliance per joint, and one effect beside them: the last of the fit."""
-    return fit_pairs(campaign, lambda problem: [*JointCompliance.sites(problem), effect], sigma)
 
 
 def measure_pairs(plan: Campaign, truth: Truth, seed: int, instrument: tuple[Array, Array]) -> Campaign:

@@ -89,15 +89,6 @@ def _least_stable(models: list[_Linear], gains: Gains, loop: Loop) -> int | None
     return None
 
 
-def spectral_radius(
-    mechanics: Mechanics, drive: Drives, loop: Loop, gains: Gains, q: Array, factor: float, later: float
-) -> float:
-    """Growth of the least stable motion over a position period, at joints q (n,), with `factor` times the
-    gains and `later` [s] more delay; below 1 it dies out."""
-    model = _Linear(machine(mechanics, drive), drive, loop, q)
-    return model.least_stable(gains, factor, later)[0]
-
-
 def _notes(mechanics: Mechanics, found: Gains) -> tuple[str, ...]:
     out = []
     for what, column in (("velocity", 0), ("position", 1)):
