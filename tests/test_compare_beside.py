@@ -22,10 +22,10 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.diagnosis.changes import decision
-from workbench.diagnosis.changes.beside import Instead, how_sure
+from workbench.diagnosis.changes.beside import how_sure
 from workbench.diagnosis.changes.candidates import Shape
 from workbench.diagnosis.changes.coherence import neighbours
-from workbench.diagnosis.changes.decision import _told
+from workbench.diagnosis.changes.decision import Instead, _told
 from workbench.diagnosis.changes.result import BACK, CREEP, Change
 from workbench.diagnosis.changes.steadiness import GROUP, unsteady
 from workbench.diagnosis.changes.system import solve

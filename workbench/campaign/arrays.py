@@ -23,9 +23,9 @@ def campaign_from(
     robot: Robot | str | Path,
     q: Any,
     points: Any,
-    sigma: float | None = None,
-    sections: Mapping[str, Any] | None = None,
-    title: str = "arrays",
+    sigma: float | None,
+    sections: Mapping[str, Any] | None,
+    title: str,
 ) -> Campaign:
     """See `Campaign.from_arrays`."""
     robot = robot if isinstance(robot, Robot) else load_robot(robot)

@@ -47,7 +47,7 @@ def write_campaign(
     return path
 
 
-def campaign_text(folder: Path, campaign: Campaign, comments: Sequence[str] = ()) -> str:
+def campaign_text(folder: Path, campaign: Campaign, comments: Sequence[str]) -> str:
     """The text of a `campaign.toml` in this folder; `comments` go on top."""
     return toml_text(_campaign_table(folder, campaign), comments)
 

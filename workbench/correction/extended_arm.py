@@ -71,7 +71,7 @@ class ExtendedArm:
         """Arm and loads with the effects that change what pulls."""
         return self.acting.loads(problem, self.arm)
 
-    def move(self, problem: Problem, sag: Array, shares: Shares = WHOLE) -> tuple[Frames, Array]:
+    def move(self, problem: Problem, sag: Array, shares: Shares) -> tuple[Frames, Array]:
         """Frames under a sag (K, S, 6), and the sag that these frames' wrenches make."""
         arm, loads = self.loads(problem)
         where = frames(arm, problem.q, self.direct(problem, shares) + sag)

@@ -102,7 +102,7 @@ class Acting:
                 out[:, column] += size**2
         return np.sqrt(out)
 
-    def ripple_slope(self, problem: Problem, shares: Shares = WHOLE) -> Array:
+    def ripple_slope(self, problem: Problem, shares: Shares) -> Array:
         """(N, n) further motion of each joint per commanded motion, of the effects with an order."""
         ripple = [(i, *item) for i, item in enumerate(self.items) if item[0].where.order is not None]
         slope, joints = np.zeros(problem.q.shape), problem.arm.names

@@ -93,7 +93,7 @@ def read_bytes(path: Path) -> bytes:
     return content
 
 
-def text_of(content: bytes, path: Path, encoding: str = "utf-8") -> str:
+def text_of(content: bytes, path: Path, encoding: str) -> str:
     """The text of a file's content. See `read_text`."""
     text = _decoded(path, content, encoding).replace("\r\n", "\n").replace("\r", "\n")
     if (found := CONTROL.search(text)) is not None:

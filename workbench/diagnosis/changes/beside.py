@@ -13,66 +13,17 @@ the mean square (`unseen_beside`).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.special import logsumexp
 
 from ...robot.kinematics import Array
-from ..priors import PRIORS
-from ..search.rounds import worth_of
 from ..weighing.weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape
-from .system import solve
-
-if TYPE_CHECKING:
-    from .decision import Decided
+from .decision import Decided
 
 ALONG = 0.5  # probability that another error of a joint changed where one did
-
-
-@dataclass(frozen=True, eq=False)
-class Instead:
-    """All numbers with another candidate in a member's place, which has no numbers of its own then. odds:
-    over the member's; values, half: as of `Solved`."""
-
-    member: int
-    odds: float
-    values: Array
-    half: Array
-
-
-def instead_of_members(decided: Decided) -> Iterator[Instead]:
-    """Everything that may as well stand in a member's place."""
-    n, length = decided.solved.background, len(decided.solved.values)
-    for i, (member, share) in enumerate(zip(decided.members, decided.shares, strict=True)):
-        own = max(share.get(member.component, 0.0), PRIORS.faintest_rival)
-        for k, p in share.items():
-            if k is None or k == member.component or p < PRIORS.faintest_rival * own:
-                continue
-            shapes, scales = [decided.shape(m) for m in decided.members], [m.scale for m in decided.members]
-            shapes[i] = _likeliest_form(decided, i, k)
-            found = solve(decided.system, shapes, scales)
-            ends = n + np.cumsum([0, *(shape.width for shape in shapes)])
-            values, half = np.zeros(length), np.zeros((length, found.half.shape[1]))
-            values[:n], half[:n] = found.values[:n], found.half[:n]
-            for j in (j for j in range(len(shapes)) if j != i):
-                at = slice(n + decided.part(j).start, n + decided.part(j).stop)
-                values[at], half[at] = found.values[ends[j] : ends[j + 1]], found.half[ends[j] : ends[j + 1]]
-            yield Instead(i, p / own, values, half)
-
-
-def _likeliest_form(decided: Decided, i: int, k: int) -> Shape:
-    """The form of a candidate that explains most in the place of the i-th member."""
-    shapes, parts = decided.candidates[k].shapes, decided.reduced.parts[k]
-
-    def worth(form: int) -> float:
-        numbers = parts[form].start + np.arange(shapes[form].main * shapes[form].courses)
-        return worth_of(decided.chosen, i, numbers)
-
-    return shapes[max(range(len(shapes)), key=worth)]
 
 
 def how_sure(decided: Decided, members: Sequence[int]) -> Array:

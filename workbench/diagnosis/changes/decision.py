@@ -14,10 +14,10 @@ from ...effects.place import Where
 from ...robot.kinematics import Array
 from ..noise.noise_choice import known_dof
 from ..priors import PRIORS
+from ..search.rounds import worth_of
 from ..weighing.chosen import Chosen, Member, Shares
 from ..weighing.reduced import Reduced
 from ..weighing.sets import Competition
-from .beside import Instead, instead_of_members
 from .candidates import Candidate, Shape, candidates_of
 from .covered import carried_change, covered
 from .occasions import Occasion, with_same_effects
@@ -41,6 +41,17 @@ class Hidden:
     candidate: Candidate
     shape: Shape
     same_as: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class Instead:
+    """All numbers with another candidate in a member's place, which has no numbers of its own then. odds:
+    over the member's; values, half: as of `Solved`."""
+
+    member: int
+    odds: float
+    values: Array
+    half: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +80,7 @@ class Decided:
 
     @cached_property
     def instead(self) -> list[Instead]:
-        return list(instead_of_members(self))
+        return list(_instead_of_members(self))
 
     def factor(self, pattern: Array) -> float:
         """On standard deviations of what differs between occasions, (K, c) by their shares of it: from what
@@ -80,6 +91,37 @@ class Decided:
         """Columns of the i-th member in `solved`."""
         lengths = [self.shape(m).width for m in self.members]
         return slice(sum(lengths[:i]), sum(lengths[: i + 1]))
+
+
+def _instead_of_members(decided: Decided) -> Iterator[Instead]:
+    """Everything that may as well stand in a member's place."""
+    n, length = decided.solved.background, len(decided.solved.values)
+    for i, (member, share) in enumerate(zip(decided.members, decided.shares, strict=True)):
+        own = max(share.get(member.component, 0.0), PRIORS.faintest_rival)
+        for k, p in share.items():
+            if k is None or k == member.component or p < PRIORS.faintest_rival * own:
+                continue
+            shapes, scales = [decided.shape(m) for m in decided.members], [m.scale for m in decided.members]
+            shapes[i] = _likeliest_form(decided, i, k)
+            found = solve(decided.system, shapes, scales)
+            ends = n + np.cumsum([0, *(shape.width for shape in shapes)])
+            values, half = np.zeros(length), np.zeros((length, found.half.shape[1]))
+            values[:n], half[:n] = found.values[:n], found.half[:n]
+            for j in (j for j in range(len(shapes)) if j != i):
+                at = slice(n + decided.part(j).start, n + decided.part(j).stop)
+                values[at], half[at] = found.values[ends[j] : ends[j + 1]], found.half[ends[j] : ends[j + 1]]
+            yield Instead(i, p / own, values, half)
+
+
+def _likeliest_form(decided: Decided, i: int, k: int) -> Shape:
+    """The form of a candidate that explains most in the place of the i-th member."""
+    shapes, parts = decided.candidates[k].shapes, decided.reduced.parts[k]
+
+    def worth(form: int) -> float:
+        numbers = parts[form].start + np.arange(shapes[form].main * shapes[form].courses)
+        return worth_of(decided.chosen, i, numbers)
+
+    return shapes[max(range(len(shapes)), key=worth)]
 
 
 def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effect]) -> Decided:

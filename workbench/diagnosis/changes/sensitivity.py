@@ -77,7 +77,7 @@ def threshold(candidate: Candidate, S: float) -> float:
     return float(GRID[int(np.argmax(enough))]) if enough.any() else float(GRID[-1])
 
 
-def seen_mm(system: System, columns: Array, size: Array, pattern: Array, more: Sequence[Array] = ()) -> float:
+def seen_mm(system: System, columns: Array, size: Array, pattern: Array, more: Sequence[Array]) -> float:
     """RMS [mm] of what columns (R, p) in a size (p,) make of the points of the occasions that have it, once
     frames and targets are fitted anew, and what else (`more`) was found."""
     S = _beside_local(system, columns, more)
@@ -110,7 +110,7 @@ def nominal_mm(decided: Decided) -> float:
     return 1e3 * max(float(np.sqrt(np.nanmean((one**2).sum(axis=2)))) for one in off)
 
 
-def _beside_local(system: System, columns: Array, more: Sequence[Array] = ()) -> Array:
+def _beside_local(system: System, columns: Array, more: Sequence[Array]) -> Array:
     """What frames and targets (and `more`) leave of columns (R, p): (p, p)."""
     local = np.concatenate([system.J[:, : system.common.start], *(LOOSE * c for c in more)], axis=1)
     zero, nothing = np.zeros(local.shape[1]), np.zeros(len(columns))

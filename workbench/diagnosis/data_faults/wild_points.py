@@ -88,7 +88,7 @@ def _limit(result: Fit, least: Array) -> Array:
     return limit
 
 
-def robust_fit(problem: Problem, start: State, noise: Covariance, known_effects: Acting = ()) -> Fit:
+def robust_fit(problem: Problem, start: State, noise: Covariance, known_effects: Acting) -> Fit:
     """Geometry fit in which a pose counts less the farther it is off (weights of Student's t, 4 dof)."""
     model = Model(problem, (), known_effects)
     line = model.linearise(start)
