@@ -34,7 +34,8 @@ class Drift(DirectEffect):
 
     One that creeps to rest, as a stand that warms up does, goes by v t_c (1 − exp(−(t − t₀)/t_c)): t_c is
     `constant` in s, 0: it goes evenly. An instrument that moves the other way looks the same. t₀ is the
-    campaign's first instant `start`.
+    campaign's first instant `start`. One that goes "freely", there and back, by shifts and breaks, follows no
+    law (`FreeDrift`): what it does at other times nobody knows.
     """
 
     start: float = 0.0
@@ -151,8 +152,7 @@ class Drift(DirectEffect):
 
 @dataclass(frozen=True)
 class FreeDrift(Drift):
-    """A drift by no law, there and back, by shifts and breaks: so many waves in time, `highest`, for each
-    motion, as large as `size` [m, rad]. What it does at other times nobody knows."""
+    """A drift by no law: so many waves in time, `highest`, for each motion, as large as `size` [m, rad]."""
 
     highest: float = 1.0
     size: float = FREELY
