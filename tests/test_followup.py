@@ -93,6 +93,36 @@ def test_the_demos_tie_is_settled_by_the_poses_that_it_asks_for(open_tie, tmp_pa
     assert row[2].startswith("joint_3 is softer")
 
 
+def test_the_demo_measures_what_is_asked_for_until_nothing_is(open_tie, tmp_path, monkeypatch):
+    """With torques where the command has them, and again what stays open, all campaigns together: twice."""
+    rig, campaign, first = open_tie
+    told = []
+
+    def diagnosed(campaigns, *_):
+        told.append(list(campaigns))
+        return first
+
+    def with_torques(way):
+        return replace(way, kind="drive_torque", command=f"{way.command} --torque")
+
+    (finding,) = (f for f in first.diagnosis.causes if f.decide)
+    asked = replace(finding, decide=tuple(with_torques(way) for way in finding.decide if way.kind == "poses"))
+    asking = replace(first, diagnosis=replace(first.diagnosis, causes=(asked,)))
+    monkeypatch.setattr(demo, "diagnose", diagnosed)
+    monkeypatch.setattr(demo, "what_decides", lambda outcome: outcome)
+    folder = tmp_path / "follow-up"
+    words, command, outcome = demo._settled(folder, rig, campaign, asking, 3, lambda _: None)
+    assert [len(campaigns) for campaigns in told] == [2, 3]
+    assert outcome is first
+    _, second, third = told[-1]
+    assert np.isfinite(second.poses.torque).all()
+    assert third.poses.torque is None
+    assert (tmp_path / "follow-up-2" / "campaign.toml").is_file()
+    assert [line.endswith("--torque") for line in command.splitlines()] == [True, False]
+    assert "with the torques of the drives were planned" in words
+    assert "To decide what both left open" in words
+
+
 def test_a_tie_with_what_is_hidden_is_no_cause_that_is_not_there():
     """Whichever of its two comes first: the row of what is hidden says it. A wrong name has a row."""
     _, rig = demo.prepared(0, 30)

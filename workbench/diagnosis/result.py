@@ -248,8 +248,8 @@ class PoseErrors:
 @dataclass(frozen=True)
 class Revealed:
     """What a simulation had hidden, and what was said of it. follow_up: what was measured after the first
-    campaign, command: that planned it, first: the page of what that had said; rows: hidden, said
-    first, said then."""
+    campaign, command: that planned it, a line for each follow-up, first: the page of what the first campaign
+    had said; rows: hidden, said first, said at the end."""
 
     follow_up: str
     command: str

@@ -1,4 +1,4 @@
-"""The whole loop on a simulated KR 500: measure, diagnose, settle what stays open by the follow-up that is
+"""The whole loop on a simulated KR 500: measure, diagnose, settle what stays open by the follow-ups that are
 offered, extend the model, correct a path, prove it.
 
 Hidden in the robot: a harmonic-drive error in joint 4 (with a second harmonic), a gas compensator that has
@@ -65,6 +65,8 @@ HIDDEN = (
     "backlash:joint=joint_5,half_width=6e-5",
 )
 PAYLOADS = {"heavy": (250.0, (0.0, 0.0, 0.15))}
+TORQUE_NOISE = 0.03  # of a joint's largest torque, as motor currents have it
+FOLLOW_UPS, MOST_POSES = 2, 100  # at most, and of so many poses each
 TOOL = (60.0, (0.0, 0.0, 0.08))
 
 
@@ -77,9 +79,12 @@ class Rig:
     frame: tuple[Array, Array]
     seed: int
 
-    def measure(self, plan: Campaign, day: int) -> Campaign:
-        """The plan's poses, as the tracker saw them that day."""
-        return simulate(plan, self.truth, seed=self.seed + 1000 * day, instrument=self.frame)
+    def measure(self, plan: Campaign, day: int, torque: bool) -> Campaign:
+        """The plan's poses, as the tracker saw them that day; torque: with what the drives exerted."""
+        sigma = TORQUE_NOISE if torque else None
+        return simulate(
+            plan, self.truth, seed=self.seed + 1000 * day, instrument=self.frame, torque_sigma=sigma
+        )
 
 
 @dataclass(frozen=True)
@@ -130,7 +135,7 @@ def demo(folder: Path, seed: int, progress: Progress, quick: bool = False) -> Su
     progress("writing the page, the report and the scene")
     write_outcome(first, folder / "first")
     write_outcome(outcome, folder)
-    return Summary(first, outcome, f"{measured_then} {command}".strip(), proof, folder)
+    return Summary(first, outcome, f"{measured_then}\n{command}".strip(), proof, folder)
 
 
 def prepared(seed: int, poses: int) -> tuple[Campaign, Rig]:
@@ -159,33 +164,39 @@ def prepared(seed: int, poses: int) -> tuple[Campaign, Rig]:
     return plan, Rig(truth, frame, seed)
 
 
-def _measured(folder: Path, rig: Rig, plan: Campaign, day: int) -> Campaign:
-    """The campaign of a plan, written and read again as anyone's."""
-    path = write_campaign(folder, rig.measure(plan, day), comments=["simulated in Drake"])
+def _measured(folder: Path, rig: Rig, plan: Campaign, day: int, torque: bool = False) -> Campaign:
+    """The campaign of a plan, written and read again as anyone's; torque: with those of the drives."""
+    path = write_campaign(folder, rig.measure(plan, day, torque), comments=["simulated in Drake"])
     return load_campaign(path)
 
 
 def _settled(
     folder: Path, rig: Rig, campaign: Campaign, first: Outcome, seed: int, progress: Progress
 ) -> tuple[str, str, Outcome]:
-    """The follow-up that a diagnosis offers, in words and as a command, and what both campaigns say together;
-    the diagnosis as it is where it offers none."""
-    ways = [way for one in first.diagnosis.causes for way in one.decide if way.lambda_after and way.poses]
-    if not ways:
-        return "No more poses were asked for.", "", first
-    way = ways[0]
-    progress(f"to decide: {way.words}")
-    made = follow_up(campaign, way, seed=seed, quick=True, progress=progress)
-    if made.drive is None:
-        return "The poses that were asked for cannot be driven.", "", first
-    second = _measured(folder, rig, made.drive.records, 1)
-    outcome = diagnose([campaign, second], None, progress, seed)
-    minutes = made.drive.total_s / 60
-    poses = len(made.drive.own.poses)
-    said = (
-        f"To decide what the first campaign left open, {poses} poses more were planned ({minutes:.0f} min):"
-    )
-    return said, way.command or "", what_decides(outcome)
+    """The follow-ups that diagnoses offer, one after the other, in words and as commands, and what all
+    campaigns say together; the diagnosis as it is where it offers none."""
+    outcome, campaigns, said, commands = first, [campaign], list[str](), list[str]()
+    for day in range(1, 1 + FOLLOW_UPS):
+        every = (way for one in outcome.diagnosis.causes for way in one.decide)
+        way = next((way for way in every if way.command and (way.poses or np.inf) <= MOST_POSES), None)
+        if way is None or way.command is None:
+            break
+        progress(f"to decide: {way.words}")
+        whole = campaign if day == 1 else outcome.prepared.problem.campaign
+        made = follow_up(whole, way, seed=seed, quick=True, progress=progress)
+        if made.drive is None:
+            said.append("The poses that were asked for cannot be driven.")
+            break
+        place = folder if day == 1 else folder.with_name(f"{folder.name}-{day}")
+        torque = "--torque" in way.command
+        campaigns.append(_measured(place, rig, made.drive.records, day, torque))
+        outcome = what_decides(diagnose(campaigns, None, progress, seed))
+        what = "the first campaign" if day == 1 else "both"
+        more = f"{len(made.drive.own.poses)} poses more{' with the torques of the drives' * torque}"
+        minutes = made.drive.total_s / 60
+        said.append(f"To decide what {what} left open, {more} were planned ({minutes:.0f} min).")
+        commands.append(way.command)
+    return " ".join(said) or "No more poses were asked for.", "\n".join(commands), outcome
 
 
 def _revealed(truth: Truth, first: Diagnosis, then: Diagnosis, follow_up: tuple[str, str]) -> Revealed:
