@@ -294,13 +294,13 @@ def _sharpened(result: Fit, candidates: Sequence[Effect]) -> Fit:
 
 def _chi2_with(result: Fit, i: int, other: Effect) -> float:
     """χ² to first order with another form in the place of the model's i-th effect."""
-    G = result.whitened(other).reshape(result.r.size, -1)
-    part = result.columns.effect[i]
-    J = result.J.reshape(result.r.size, -1)
-    r = result.r.ravel() + J[:, part] @ result.state.values[i]
-    rest = np.delete(J * result.columns.prior, np.r_[part], axis=1)
     loose = LOOSE * result.model.problem.coarse
-    A = np.concatenate([rest, G * [loose * p.typical for p in other.params]], axis=1)
-    g = A.T @ r
-    normal = A.T @ A + np.eye(A.shape[1])
+    G = result.whitened(other).reshape(result.r.size, -1) * [loose * p.typical for p in other.params]
+    J, prior, part = result.normal.J, result.columns.prior, result.columns.effect[i]
+    r = result.r.ravel() + J[:, part] @ result.state.values[i]
+    rest = np.delete(np.arange(len(prior)), part)
+    across = (J.T @ G * prior[:, None])[rest]
+    g = np.concatenate([(J.T @ r * prior)[rest], G.T @ r])
+    own = G.T @ G + np.eye(G.shape[1])
+    normal = np.block([[result.normal.A[np.ix_(rest, rest)], across], [across.T, own]])
     return float(r @ r - g @ np.linalg.solve(normal, g))

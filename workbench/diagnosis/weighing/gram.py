@@ -44,12 +44,16 @@ class Stored:
         return len(self.of)
 
     def between(self, rows: Index, columns: Index) -> Array:
-        found = self.S[self.of[rows][..., None], self.of[columns]]
-        return np.asarray(self.size[rows][..., None] * found * self.size[columns])
+        return self._taken(rows[..., None], columns)
 
     def blocks(self, index: Index) -> Array:
-        own, size = self.of[index], self.size[index]
-        return np.asarray(size[:, :, None] * self.S[own[:, :, None], own[:, None, :]] * size[:, None, :])
+        return self._taken(index[:, :, None], index[:, None])
+
+    def _taken(self, rows: Index, columns: Index) -> Array:
+        found = self.S.take(self.of[rows] * len(self.S) + self.of[columns])
+        found *= self.size[rows]
+        found *= self.size[columns]
+        return found
 
     def combined(self, v: csc_array, columns: Index) -> tuple[Array, Array]:
         rows, shape = v.indices, (len(self.S), v.shape[1])
