@@ -30,8 +30,9 @@ def with_own_forms(selection: Selection, noise: Covariance, noise_known: bool, s
     the scatter that the search took for noise. What yields against its load, or is of a size that it has
     on no machine, is none of the causes, though something is there: it has no name, and goes where they do
     without it. Nor is one that does what it does by what stands beside its form alone."""
+    left = max(1.0, remainder(selection.fit, noise_known).inflation)
     against = frozenset(
-        effect.key for effect, own in selection.groups if _against_physics(selection.fit, own)
+        effect.key for effect, own in selection.groups if _against_physics(selection.fit, own, left)
     )
     selection = replace(selection, faint=selection.faint | against, against=against)
     fit, beside = selection.fit, _beside(selection)
@@ -62,13 +63,13 @@ def of_itself(fit: Fit, key: Key) -> float:
     return max(fit.wald(i) for i, effect in enumerate(fit.model.effects) if effect.key == key)
 
 
-def _against_physics(fit: Fit, own: Sequence[int]) -> bool:
+def _against_physics(fit: Fit, own: Sequence[int], left: float) -> bool:
     """Whether one of a fit's effects is a spring that gives less than nothing, the model's part too, or has a
-    number surely outside the bounds that hold for it."""
+    number surely outside the bounds that hold for it. left: what the fit leaves, over its noise."""
     for i in own:
         effect = fit.model.effects[i]
         values, covariance = fit.effect_values(i)
-        doubt = SURELY * np.sqrt(np.diag(covariance))
+        doubt = SURELY * left * np.sqrt(np.diag(covariance))
         lower, upper = np.array([(p.lower, p.upper) for p in effect.params]).T
         bounded = effect.bounded or effect.acts == "yielding"
         if bounded and ((values + doubt < lower) | (values - doubt > upper)).any():

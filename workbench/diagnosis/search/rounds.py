@@ -43,11 +43,13 @@ LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """One round: the fit that the components were compared at, the set that this found, the fit with it.
-    left_mm: what sets leave on poses held out, as far as somebody asked."""
+    """One round: the fit that the components were compared at, the set that this found, the fit with it, and
+    `whole`, the one with what its causes have beside their forms as well. left_mm: what sets leave on poses
+    held out, as far as somebody asked."""
 
     at: Fit
     found: Fit
+    whole: Fit
     competition: Competition
     members: list[Member]
     left_mm: dict[tuple[Member, ...], float] = field(default_factory=dict, repr=False)
@@ -61,7 +63,7 @@ class Round:
         """log evidence of the data, up to what is the same for every set and every scatter beyond what was
         `stated`: the likelihood of its own fit, and what members and scatter cost."""
         more = np.count_nonzero(beyond_all(self.found, stated))
-        own = log_precision(self.found.whitener) - 0.5 * self.found.chi2
+        own = log_precision(self.whole.whitener) - 0.5 * self.whole.chi2
         cost = self.competition.cost(Chosen(self.competition.reduced, self.members))
         return own + cost - 0.5 * CLEAR * more
 
@@ -95,8 +97,9 @@ def _converged(
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
-    more than that, is what it leaves: else the data would be believed in what no member can say. What gear
-    lines have beside them is no scatter, no noise and no other line.
+    more than that, is what it leaves: else the data would be believed in what no member can say. What causes
+    have beside their forms is no scatter, no noise and no other line: of a large one it would hide all that
+    is there beside it.
     A set that stays is judged at its own fit.
     """
     base, whole, lines, errors = geometry.noise, at, list[Line](), list[float]()
@@ -107,14 +110,13 @@ def _converged(
         competition = _competition(at, candidates, lines, base, noise_dof)
         members = competition.best(labels)
         effects = effects_of(competition, members)
-        with_bands = [one for one in scaled_of(competition, members) if one[0].ordered]
-        beside = list(beside_forms(with_bands, at.model.problem, effects))
+        beside = list(beside_forms(scaled_of(competition, members), at.model.problem, effects))
         labels = [competition.components[m.component].label for m in members]
         if not noise_known:
             at_base = refitted(replace(at, noise=base), [*effects, *beside])
             base = from_residual(at_base)[0]
         found, whole = _fitted(at if noise_known else at_base, effects, beside, base, scatters)
-        after = found
+        after, with_all = found, whole
         errors.append(rms_mm(heldout(whole)))
         left = remainder(whole, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
@@ -122,7 +124,7 @@ def _converged(
             noise = _scattering(whole, base, scatters)
             after = _standing(replace(found, noise=noise), found.model.effects)
             whole = _with_more(after, beside)
-        now = Round(at, found, competition, members)
+        now = Round(at, found, with_all, competition, members)
         if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
             best = now
         same, before = set(effects) == before, set(effects)
