@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import expit, ndtr, stdtr
+from scipy.special import expit, stdtr
 
 from ...effects.base import UNKNOWN, Effect
 from ...identification.fit import Fit, refit
@@ -247,10 +247,21 @@ def no_surer(
 
 
 def _chance(fit: Fit, beside: Sequence[int], own: Sequence[int], seed: int) -> float:
-    """That effects which do nothing would bring less on poses held out, without those `beside`: by the mean
-    of what they take off a position's square error, over its standard error."""
-    with_it, without_it = (_of_positions(fit, seed, out) for out in (beside, [*beside, *own]))
-    return float(ndtr(_in_errors(without_it - with_it)))
+    """That effects which do nothing would bring less on poses held out, without those `beside`: by what they
+    take off the square error, over its standard error.
+
+    What is left at a position without them is b times what they make there, and a rest; they bring as much as
+    b exceeds a half. Its standard error is of the rests (White 1980), each over what a position has not of b
+    itself (MacKinnon & White 1985): that effects do more at one position than at another is no doubt of
+    theirs, and that a few decide is one."""
+    rest, without_it = (heldout(fit, seed=seed, without=out) for out in (beside, [*beside, *own]))
+    made, position = without_it - rest, fit.model.problem.positions
+    its = np.bincount(position, np.nansum(made * without_it, axis=(1, 2)))
+    square = np.bincount(position, np.nansum(made**2, axis=(1, 2)))
+    whole = max(float(square.sum()), NOTHING)
+    rests = (its - square * its.sum() / whole) / np.maximum(1 - square / whole, NOTHING)
+    over = (its.sum() - 0.5 * whole) / max(float(np.sqrt((rests**2).sum())), NOTHING)
+    return float(stdtr(max(len(rests) - 1, 1), over))
 
 
 def _gains(selection: Selection, whole: float, seed: int) -> list[float]:
