@@ -17,29 +17,13 @@ from typing import Any
 
 from draw import draw
 from runs import MODELS, Run
-from score import print_tables, tables
+from score import judged, print_tables, tables
 from write import write_case
 
 from workbench import diagnose, load_campaign
 
 CASES = 480
 SEED = 20261122
-KEPT = ("cause", "joint", "other", "link", "payload", "order", "status", "probability")
-
-
-def said(cause: dict[str, Any]) -> dict[str, Any]:
-    """A cause or a rival, as far as it is judged."""
-    return {key: cause[key] for key in KEPT if cause.get(key) not in (None, "")}
-
-
-def diagnosed(campaign: Path) -> dict[str, Any]:
-    """What is judged of a diagnosis."""
-    found = diagnose(load_campaign(campaign)).diagnosis.to_json()
-    causes = [
-        said(cause) | {"rivals": [said(rival) for rival in cause["rivals"]]} for cause in found["causes"]
-    ]
-    faults = sorted({fault["kind"] for fault in found["faults"]})
-    return {"verdict": found["verdict"], "headline": found["headline"], "causes": causes, "faults": faults}
 
 
 def main(folder: Path, cases: int = CASES, seed: int = SEED) -> int:
@@ -48,7 +32,9 @@ def main(folder: Path, cases: int = CASES, seed: int = SEED) -> int:
     def done(number: int) -> dict[str, Any]:
         where = folder / f"cases/{number:04d}"
         truth = write_case(draw(seed, number, folder / "robots", MODELS), where)
-        return run.line(truth, lambda: diagnosed(where / "campaign.toml"))
+        return run.line(
+            truth, lambda: judged(diagnose(load_campaign(where / "campaign.toml")).diagnosis.to_json())
+        )
 
     def truth(line: dict[str, Any]) -> str:
         return f"{line['sort']} {[(fault['kind'], fault['lambda']) for fault in line['faults']]}"

@@ -6,7 +6,7 @@ joints and a link's mass, which are scaled for a λ between 2 and 25, and steel'
 measured. A fault's size is drawn by its λ, 12 to 350, or such that it is 1.5 to 15 times the noise (RMS).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -46,7 +46,7 @@ def _kind(rng: Rng) -> tuple[str, list[str]]:
     return sort, [str(kind) for kind in rng.choice(list(NAMED), count, replace=False)]
 
 
-def _possible(arm: Arm, kinds: list[str]) -> bool:
+def possible(arm: Arm, kinds: list[str]) -> bool:
     if "compensator" in kinds and not arm.compensator:
         return False
     if "hose" in kinds and not np.isfinite(arm.stiffness).any():
@@ -104,6 +104,15 @@ class Fault:
     record: dict[str, Any]
 
 
+def to_strength(white: Callable[[float], Array], aim: float, cap: float) -> float:
+    """The size, up to a cap, of which a fault has the λ aimed at. white: its shift at a size."""
+    size = cap * 0.1
+    for _ in range(3):
+        found = white(size)
+        size = min(size * np.sqrt(aim / max(float(found @ found), 1e-12)), cap)
+    return size
+
+
 def fault_of(
     kind: str, bench: Bench, under: Sequence[Effect], before: Array, scale: Yardstick, rng: Rng
 ) -> Fault | None:
@@ -125,10 +134,7 @@ def fault_of(
         shifted = measured(bench.arm, bench.cell, [*under, drawn.of(sign * size)])[0]
         return scale.white(shifted - before)
 
-    size = drawn.cap * 0.1
-    for _ in range(3):
-        found = white(size)
-        size = min(size * np.sqrt(aim / max(float(found @ found), 1e-12)), drawn.cap)
+    size = to_strength(white, aim, drawn.cap)
     found = white(size)
     strength = float(found @ found)
     if strength < LEAST_STRENGTH:
@@ -158,7 +164,7 @@ def _attempt(number: int, robots: Path, models: Path, rng: Rng) -> Case | None:
     robot = robot_of(rng)
     arm = read_arm((models if robot in BROUGHT_KG else robots) / robot / f"{robot}.toml")
     sort, kinds = _kind(rng)
-    if not _possible(arm, kinds):
+    if not possible(arm, kinds):
         return None
     plan = planned(robot, arm, kinds, rng)
     cell = plan.cell

@@ -1,4 +1,4 @@
-"""What the two judges do alike: case after case, what was done before not again, and the figures kept."""
+"""What the judges do alike: case after case, what was done before not again, and the figures kept."""
 
 import json
 import sys
@@ -7,9 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # for blind.py, behind this folder
+sys.path.insert(1, str(Path(__file__).resolve().parents[1]))  # for blind.py and coverage.py
 
 from blind import git
+from coverage import covered as covered
 from robots import write_robots
 from score import Json
 

@@ -20,7 +20,22 @@ BANDS = ((20, "<20"), (40, "20-40"), (200, "40-200"), (float("inf"), ">200"))  #
 PROBABILITIES = (0.0, 0.2, 0.5, 0.8, 0.95, 1.0)
 BACKGROUND = 4.0  # λ from which a background effect may be found
 UNKNOWN = "unknown"
+KEPT = ("cause", "joint", "other", "link", "payload", "order", "status", "probability")
 EVERYWHERE = ("gravity_compensator", "foundation", "drift", "thermal_growth")
+
+
+def _said(cause: Json) -> Json:
+    """A cause or a rival, as far as it is judged."""
+    return {key: cause[key] for key in KEPT if cause.get(key) not in (None, "")}
+
+
+def judged(found: Json) -> Json:
+    """What is judged of a diagnosis, of its JSON."""
+    causes = [
+        _said(cause) | {"rivals": [_said(rival) for rival in cause["rivals"]]} for cause in found["causes"]
+    ]
+    faults = sorted({fault["kind"] for fault in found["faults"]})
+    return {"verdict": found["verdict"], "headline": found["headline"], "causes": causes, "faults": faults}
 
 
 def band(strength: float) -> str:
