@@ -1,6 +1,8 @@
 """Names that parts of the data do not share, or that bring held-out poses nothing, are not sure."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,8 +13,9 @@ from workbench.diagnosis.candidates import testable as all_that_may_be
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.search import competition as competing
+from workbench.diagnosis.search import worth
 from workbench.diagnosis.search.competition import _likeliest, _renamed_at_no_loss, compete
-from workbench.diagnosis.search.worth import VOUCHED, as_sure_as_its_gain
+from workbench.diagnosis.search.worth import VOUCHED, _chance, as_sure_as_its_gain
 from workbench.diagnosis.telling.nameless import _as_one, _plain
 from workbench.diagnosis.weighing.chosen import Chosen, Member
 from workbench.diagnosis.weighing.components import Component, Form, bare, cause_components
@@ -247,6 +250,25 @@ def test_what_brings_nothing_is_not_sure_whatever_its_likelihood(wheel):
     assert share[k][k] < 0.5
     assert share[k][None] == pytest.approx(1 - share[k][k])
     assert claimed.shares[-1] == {k: 1.0, None: 0.0}
+
+
+@pytest.mark.parametrize("uneven", [0.0, 1.5])
+def test_an_effect_may_do_more_at_one_position_than_at_another(monkeypatch, uneven):
+    """What brings all positions nearer is sure, whether it does as much everywhere or not; what does nothing
+    is not, nor what a single position says."""
+    rng, noise = np.random.default_rng(5), np.random.default_rng(6).normal(size=(45, 3, 3))
+    made = rng.normal(size=noise.shape) * np.exp(uneven * rng.normal(size=(45, 1, 1)))
+    fit: Any = SimpleNamespace(model=SimpleNamespace(problem=SimpleNamespace(positions=np.arange(45))))
+
+    def chance(without_it, with_it):
+        monkeypatch.setattr(worth, "heldout", lambda fit, seed, without: without_it if without else with_it)
+        return _chance(fit, [], [0], seed=0)
+
+    assert chance(noise + made, noise) ** 200 > 0.99
+    assert chance(noise, noise - made) < 0.01
+    alone = np.zeros_like(made)
+    alone[7] = 30.0
+    assert chance(noise + alone, noise) < 0.9
 
 
 def test_what_the_parts_agree_on_is_as_sure_as_they_are(competition):

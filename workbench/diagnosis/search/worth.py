@@ -251,17 +251,16 @@ def _chance(fit: Fit, beside: Sequence[int], own: Sequence[int], seed: int) -> f
     take off the square error, over its standard error.
 
     What is left at a position without them is b times what they make there, and a rest; they bring as much as
-    b exceeds a half. Its standard error is of the rests (White 1980), each over what a position has not of b
-    itself (MacKinnon & White 1985): that effects do more at one position than at another is no doubt of
-    theirs, and that a few decide is one."""
+    b exceeds a half. Its standard error is of the rests (White 1980), each by the b of all other positions
+    (MacKinnon & White 1985): that effects do more at one position than at another is no doubt of theirs, and
+    that one alone says it is one."""
     rest, without_it = (heldout(fit, seed=seed, without=out) for out in (beside, [*beside, *own]))
     made, position = without_it - rest, fit.model.problem.positions
     its = np.bincount(position, np.nansum(made * without_it, axis=(1, 2)))
     square = np.bincount(position, np.nansum(made**2, axis=(1, 2)))
-    whole = max(float(square.sum()), NOTHING)
-    rests = (its - square * its.sum() / whole) / np.maximum(1 - square / whole, NOTHING)
-    over = (its.sum() - 0.5 * whole) / max(float(np.sqrt((rests**2).sum())), NOTHING)
-    return float(stdtr(max(len(rests) - 1, 1), over))
+    others = (its.sum() - its) / np.maximum(square.sum() - square, NOTHING)
+    spread = max(float(np.linalg.norm(its - others * square)), NOTHING)
+    return float(stdtr(max(len(its) - 1, 1), (its.sum() - 0.5 * square.sum()) / spread))
 
 
 def _gains(selection: Selection, whole: float, seed: int) -> list[float]:
