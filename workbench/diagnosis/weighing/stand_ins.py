@@ -7,11 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...effects.base import Effect
+from ...robot.kinematics import Array
 from ..priors import PRIORS
 from .chosen import Chosen
 from .components import Component, bare
 from .reduced import Reduced
 from .weight import Weight, likelihood
+
+SURELY = 3.0  # standard deviations
 
 
 def times_too_sure(one: Effect, other: Effect) -> float:
@@ -32,6 +35,7 @@ class StandIns:
     That one fits better than another says less than it seems to. No form is quite true: what a large
     effect's form misses is as large as a small effect (`PRIORS.form`), and some odds are too large by a
     factor (`times_too_sure`) but for what a cause that may be true to its form wins without its companions.
+    That excuses no spring that pushes back: no form that is missed turns its sign.
     Two orders of one gear are one form. true: components in whose place forms are taken to be true.
     """
 
@@ -51,7 +55,9 @@ class StandIns:
             k: v for k, v in logs.items() if k == own or self._of_itself(chosen, i, k, weights[k], takes[k])
         }
         rivals = [k for k in logs if self._differ(k, own)]
-        excused = [] if own in self.true else rivals
+        excused = (
+            [] if own in self.true else [k for k in rivals if not self._pushes(chosen, i, k, weights[k])]
+        )
         out = self._no_truer_than_forms(chosen, i, takes, logs, excused)
         for k in rivals:
             times = self._times_too_sure(k, own)
@@ -104,11 +110,27 @@ class StandIns:
             return True
         return self._takes(chosen, i, k, weight, main) >= PRIORS.itself * takes
 
+    def _pushes(self, chosen: Chosen, i: int, k: int, weight: Weight) -> bool:
+        """Whether a component is a spring that would surely push back in the i-th member's place."""
+        if self.components[k].forms[weight.form].wrong_sign > PRIORS.pushes_back:
+            return False
+        S, u = self._left(chosen, i, k, weight)
+        covariance = np.linalg.inv(S)
+        return bool(covariance[0] @ u < -SURELY * np.sqrt(covariance[0, 0]))
+
     def _takes(self, chosen: Chosen, i: int, k: int, weight: Weight, first: int | None = None) -> float:
         """What a component takes off χ² in its likeliest form, or the first columns of that, in the i-th
+        member's place."""
+        S, u = self._left(chosen, i, k, weight, first)
+        return float(u @ np.linalg.solve(S, u))
+
+    def _left(
+        self, chosen: Chosen, i: int, k: int, weight: Weight, first: int | None = None
+    ) -> tuple[Array, Array]:
+        """Equations of a component in its likeliest form, or of the first columns of that, in the i-th
         member's place."""
         part = self.reduced.parts[k][weight.form]
         columns = np.arange(part.start, part.stop)[None, :first]
         S, u = (x[0] for x in chosen.left_of(columns, i))
         S[np.diag_indices_from(S)] += weight.scale**-2
-        return float(u @ np.linalg.solve(S, u))
+        return S, u
