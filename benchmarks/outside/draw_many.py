@@ -103,6 +103,7 @@ def _attempt(number: int, robots: Path, models: Path, rng: Rng) -> tuple[Case, C
     stated = np.round(cell.targets * 1e3, 1)
     lasting = [effect for effect in (*under, *forms) if not isinstance(effect, PASSES)]
     other = planned_again(plan, rng, anew=False)
+    other = replace(other, columns=plan.columns | {"times": False})
     there, rest = measured(arm, other.cell, lasting)
     again = yardstick(arm, other.cell, rest.bent, plan.sigma, plan.repeatability)
     there = there + noise_of(other, again, rng)

@@ -93,7 +93,7 @@ def _converged(
     scatters: bool = True,
 ) -> Round:
     """The likeliest set, found again at its own fit until it stays, from a fit on; of sets that do not stay,
-    the one that predicts best what it did not see. scatters: joints may.
+    the one that predicts best what it did not see, its causes by their own forms. scatters: joints may.
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
@@ -110,14 +110,16 @@ def _converged(
         competition = _competition(at, candidates, lines, base, noise_dof)
         members = competition.best(labels)
         effects = effects_of(competition, members)
-        beside = list(beside_forms(scaled_of(competition, members), at.model.problem, effects))
+        scaled = scaled_of(competition, members)
+        beside = list(beside_forms(scaled, at.model.problem, effects))
+        bands = list(beside_forms([one for one in scaled if one[0].ordered], at.model.problem, effects))
         labels = [competition.components[m.component].label for m in members]
         if not noise_known:
             at_base = refitted(replace(at, noise=base), [*effects, *beside])
             base = from_residual(at_base)[0]
         found, whole = _fitted(at if noise_known else at_base, effects, beside, base, scatters)
         after, with_all = found, whole
-        errors.append(rms_mm(heldout(whole)))
+        errors.append(rms_mm(heldout(_with_more(found, bands))))
         left = remainder(whole, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
@@ -125,10 +127,10 @@ def _converged(
             after = _standing(replace(found, noise=noise), found.model.effects)
             whole = _with_more(after, beside)
         now = Round(at, found, with_all, competition, members)
-        if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
-            best = now
         same, before = set(effects) == before, set(effects)
         settled = same and alike(at.noise, after.noise)
+        if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
+            best = now
         at = after
         del competition, now  # the columns of all components take much room
         if settled or _no_better(errors):
