@@ -13,10 +13,10 @@ from .draws import Draws
 AGAIN = 50  # runs that a claim about the odds is checked over
 
 
-def redrawn(judged: Judged, numbers: Callable[[Judged], Mapping[str, float]]) -> Draws:
+def redrawn(judged: Judged, numbers: Callable[[Judged], Mapping[str, float]], runs: int = AGAIN) -> Draws:
     """What `numbers` finds where each account's draws are drawn again out of themselves, with a seed of its
     own (bootstrap, Efron 1979): as many draws as there are, so that what chance they had shows."""
-    found = [numbers(_again(judged, run)) for run in range(AGAIN)]
+    found = [numbers(_again(judged, run)) for run in range(runs)]
     return Draws({}, {}, {name: np.array([one[name] for one in found], dtype=float) for name in found[0]})
 
 

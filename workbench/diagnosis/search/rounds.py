@@ -93,7 +93,8 @@ def _converged(
     scatters: bool = True,
 ) -> Round:
     """The likeliest set, found again at its own fit until it stays, from a fit on; of sets that do not stay,
-    the one that predicts best what it did not see, its causes by their own forms. scatters: joints may.
+    or predict clearly worse than another did, the one that predicts best what it did not see, its causes by
+    their own forms. scatters: joints may.
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
@@ -129,7 +130,8 @@ def _converged(
         now = Round(at, found, with_all, competition, members)
         same, before = set(effects) == before, set(effects)
         settled = same and alike(at.noise, after.noise)
-        if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
+        stays = settled and BETTER * errors[-1] < min(errors)
+        if best is None or errors[-1] < min(errors[:-1]) or stays or (now.at_home and now.is_of(best)):
             best = now
         at = after
         del competition, now  # the columns of all components take much room
