@@ -50,12 +50,13 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
     warnings += [
         f"{path}: payload {name!r} is at no measured pose" for name in file.payloads if name not in carried
     ]
-    side, along = _sides(poses, len(robot.joints))
+    q = np.stack([poses.numbers[f"q{joint}"] for joint in range(1, len(robot.joints) + 1)], axis=1)
+    side, along = _sides(poses, q)
     return Campaign(
         title=file.title or path.resolve().parent.name,
         path=path,
         robot=robot,
-        poses=_kept_poses(poses, kept, len(robot.joints), side, payload_names, setup_names),
+        poses=_kept_poses(poses, kept, q, side, payload_names, setup_names),
         payload_names=payload_names,
         load_mass=np.array([0.0, *(load.mass_kg for load in loads)]),
         load_com=np.array([(0.0, 0.0, 0.0), *(load.com_mm for load in loads)]) * 1e-3,
@@ -79,15 +80,14 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
 def _kept_poses(
     poses: Table,
     kept: NDArray[np.bool_],
-    n: int,
+    q: Array,
     side: Array | None,
     payload_names: Sequence[str],
     setup_names: Sequence[str],
 ) -> Poses:
-    """What the robot of n joints was told in the kept rows; side: (rows, n) of approach."""
-    nothing = np.zeros(len(poses))
+    """What the robot was told in the kept rows, of joints q (rows, n); side: (rows, n) of approach."""
+    n, nothing = q.shape[1], np.zeros(len(poses))
     wrench = [poses.numbers.get(column.name, nothing) for column in WRENCH_COLUMNS]
-    q = np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)
     payload, setup = _column(poses, "payload", kept), _column(poses, "setup", kept)
     return Poses(
         ids=tuple(_column(poses, "pose_id", kept)),
@@ -103,12 +103,13 @@ def _kept_poses(
     )
 
 
-def _sides(poses: Table, n: int) -> tuple[Array | None, list[str]]:
-    """(rows, n) sides of approach as stated, or along a path; None where nobody knows. And a remark."""
+def _sides(poses: Table, q: Array) -> tuple[Array | None, list[str]]:
+    """(rows, n) sides of approach at joints q (rows, n), as stated or along a path; None where nobody knows.
+    And a remark."""
+    n = q.shape[1]
     stated = _joints(poses, "dir", n, absent=0.0)
     if stated is not None:
         return stated, []
-    q = np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)
     every = _column(poses, "setup", np.ones(len(poses), dtype=bool))
     found = sides_along(q, np.unique(every, return_inverse=True)[1], poses.numbers.get("t"))
     if found is None:

@@ -20,7 +20,8 @@ from ...identification.heldout import heldout
 from ...identification.noise import Covariance
 from ..noise.scatter import with_scatter
 from ..weighing.components import Key, bare, usual
-from .competition import SURELY, Selection
+from ..weighing.stand_ins import SURELY
+from .competition import Selection
 from .off_form import of_itself
 from .rounds import BETTER
 from .stages import rms_mm

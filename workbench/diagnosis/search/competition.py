@@ -32,10 +32,10 @@ from ..weighing.replication import (
     searched_in_parts,
     shown_by,
 )
+from ..weighing.stand_ins import SURELY
 from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted, scaled_of
 from .stages import Group, rms_mm
 
-SURELY = 3.0  # standard deviations
 SHOWS = 6.0  # χ²(2) of a gear's line: one of chance is as large once in twenty
 UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
 

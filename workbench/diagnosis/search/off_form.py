@@ -19,7 +19,8 @@ from ...identification.noise import Covariance
 from ..noise.scatter import with_scatter
 from ..weighing.components import Key, bare, beside_forms
 from ..weighing.remainder import remainder
-from .competition import SURELY, Selection
+from ..weighing.stand_ins import SURELY
+from .competition import Selection
 from .rounds import BETTER
 from .stages import rms_mm, without
 
