@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -15,10 +15,8 @@ from ..campaign.problem import Problem
 from ..campaign.same_robot import check_same_robot
 from ..effects.base import Effect
 from ..identification.fit import Fit
-from ..identification.heldout import heldout
 from .candidates import testable
 from .data_faults.changed_between import changed_between
-from .data_faults.moved_setup import step_in_time
 from .data_faults.wild_points import wild_beside
 from .given import Searched, search_with_given
 from .prepared import Prepared, Progress, prepare
@@ -26,8 +24,6 @@ from .result import Diagnosis, NotTestable
 from .search.also_yields import with_what_also_yields
 from .search.competition import Selection, compete
 from .search.off_form import with_own_forms
-from .search.rounds import BETTER
-from .search.stages import rms_mm
 from .search.worth import worth_it
 from .telling.findings import Parts, assemble
 
@@ -98,10 +94,8 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
         if mended is None:
             break
         progress("testing causes without the data faults that they hid")
-        again, missing_then = _searched(mended, seed, progress)
-        if _split(mended, prepared) and not _tells_more(again, found, seed):
-            break
-        prepared, found, not_testable = mended, again, missing_then
+        prepared = mended
+        found, not_testable = _searched(prepared, seed, progress)
     progress("writing down what was found")
     missing = (*not_testable, *found.not_testable)
     parts = Parts(found.prepared, found.selection, found.candidates, missing, seed, test, found.said)
@@ -110,8 +104,7 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
 
 def _mended(prepared: Prepared, found: Searched) -> Prepared | None:
     """Without data faults that show beside what was found alone, None where there is none: wild points,
-    zeros, loads and scales that are others in some campaigns, or else a step in time, which functions of time
-    and order without a name would take up."""
+    zeros, loads and scales that are others in some campaigns, or else a step in time."""
     wild = wild_beside(found.selection.fit, prepared.least)
     if wild.faults:
         return prepared.mended(wild)
@@ -120,20 +113,8 @@ def _mended(prepared: Prepared, found: Searched) -> Prepared | None:
     problem, moved = changed_between(found.selection)
     if moved:
         return prepared.counted(problem, moved)
-    step = step_in_time(replace(found.selection.fit, noise=found.prepared.covariance).lasting)
+    step = found.selection.step
     return None if step is None else prepared.split(step)
-
-
-def _split(mended: Prepared, prepared: Prepared) -> bool:
-    """Whether what was mended is a step in time, with which a set-up begins."""
-    return len(mended.problem.campaign.setup_names) > len(prepared.problem.campaign.setup_names)
-
-
-def _tells_more(step: Searched, found: Searched, seed: int) -> bool:
-    """Whether poses that were held out are surely nearer with a step than with what took it up: what goes
-    smoothly by the order of measurement leaves something that looks like one."""
-    with_it, without = (rms_mm(heldout(one.selection.fit, seed=seed)) for one in (step, found))
-    return with_it < BETTER * without
 
 
 def _searched(prepared: Prepared, seed: int, progress: Progress) -> tuple[Searched, tuple[NotTestable, ...]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from ...campaign.problem import Problem
 from ...effects import catalogue
 from ...effects.base import Effect
 from ...effects.recorded import DataFault
-from ...effects.unnamed import unnamed
+from ...effects.unnamed import steps, unnamed
 from ...identification.fit import Fit
 from ...identification.registration import (
     GOOD,
@@ -48,13 +48,13 @@ ORDERS, CLEARLY = 11, 3.0  # drawn at random, and times what chance makes a step
 
 @dataclass(frozen=True)
 class Step:
-    """A step in time: kind of data fault, first pose after it, size [m] that the points move by, rms,
-    statistic."""
+    """A step in time: kind of data fault, first pose after it, size [m] that the points move by, rms; what
+    it takes off χ², where it was sought by that."""
 
     kind: DataFault
     first: int
     size: float
-    statistic: float
+    statistic: float = 0.0
 
     def fault(self, problem: Problem) -> FaultFound:
         """The step as a data fault of the pose that it comes before."""
@@ -79,6 +79,22 @@ def step_in_time(result: Fit) -> Step | None:
         _step(result, "changed_setup", flange),
     ]
     return max((step for step in steps if step), key=lambda step: step.statistic, default=None)
+
+
+def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
+    """A step of each kind where it explains most, and how far the data tell this place from the others: the
+    share of all places that are about as likely. None in campaigns in which none is sought."""
+    c, possible = result.model.problem.campaign, places(result.model.problem.positions)
+    if len(c.setup_names) > 1 or not possible or in_motion(c.poses.q, c.poses.time):
+        return
+    for step in steps(result.model.problem):
+        base = result.whitened(replace(step, first=0.0))
+        gains = _gains(*_prefix(result, base, np.arange(len(base))))[possible]
+        best = int(gains.argmax())
+        yield (
+            replace(step, first=float(possible[best])),
+            float(np.exp(0.5 * (gains - gains[best])).mean()),
+        )
 
 
 def jump(problem: Problem) -> Step | None:

@@ -10,9 +10,11 @@ import numpy as np
 
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
+from ...effects.unnamed.at_once import AtOnce
 from ...identification.fit import Fit, refit
 from ...identification.heldout import heldout
 from ...robot.kinematics import Array
+from ..data_faults.moved_setup import Step
 from ..noise.noise_choice import known_dof
 from ..noise.scatter import beyond_all
 from ..prepared import Prepared
@@ -88,6 +90,15 @@ class Selection:
             if self.beside.get(effect) in found and not self.named(effect):
                 found[self.beside[effect]].append(i)
         return [(lead[key], own) for key, own in found.items()]
+
+    @property
+    def step(self) -> Step | None:
+        """A step in time that is as sure as what has a name; None where there is none."""
+        for member, share in zip(self.members, self.shares, strict=True):
+            effect = self.components[member.component].effect
+            if isinstance(effect, AtOnce) and share[member.component] >= PRIORS.named:
+                return Step(effect.kind, int(effect.first), 1e-3 * self.worth_mm(member))
+        return None
 
     def _shown(self, i: int) -> tuple[bool, float]:
         """Whether the fit's i-th effect shows, and how large it is."""

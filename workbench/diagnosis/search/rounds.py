@@ -14,6 +14,7 @@ from ...effects.unnamed.joints import Product
 from ...identification.fit import ROUGH, Fit, refit
 from ...identification.heldout import heldout
 from ...identification.noise import Covariance, log_precision
+from ..data_faults.moved_setup import likely_steps
 from ..noise.noise_choice import from_residual
 from ..noise.scatter import CLEAR, alike, beyond_all, with_scatter
 from ..weighing.acts_through import needs_of
@@ -25,6 +26,7 @@ from ..weighing.components import (
     cause_components,
     line_component,
     nameless_components,
+    step_component,
 )
 from ..weighing.reduced import Index, reduce
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder, remainder
@@ -108,7 +110,8 @@ def _converged(
     best = None
     for _ in range(ROUNDS):
         lines = _with_lines(whole, lines)
-        competition = _competition(at, candidates, lines, base, noise_dof)
+        steps = list(likely_steps(whole.lasting))
+        competition = _competition(at, candidates, lines, steps, base, noise_dof)
         members = competition.best(labels)
         effects = effects_of(competition, members)
         scaled = scaled_of(competition, members)
@@ -204,13 +207,19 @@ def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:
 
 
 def _competition(
-    at: Fit, candidates: Sequence[Effect], lines: Sequence[Line], base: Covariance, noise_dof: float
+    at: Fit,
+    candidates: Sequence[Effect],
+    lines: Sequence[Line],
+    steps: Sequence[tuple[Effect, float]],
+    base: Covariance,
+    noise_dof: float,
 ) -> Competition:
     """All that competes, at a fit: an instrument's own errors where they show there, or are in it."""
     functions = [*unnamed(at.model.problem), *_of_scattering(at, base)]
     components = [
         *cause_components(at, candidates),
         *(_line(at, line) for line in lines),
+        *(step_component(at, step, share / len(steps)) for step, share in steps),
         *worth_offering(at, nameless_components(at, functions), noise_dof),
     ]
     return Competition(reduce(at, components, noise_dof), components, needs_of(at, components))

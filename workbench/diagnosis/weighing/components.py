@@ -204,6 +204,11 @@ def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:
     return Component((effect.cause, effect.where), forms, float(np.log(odds)))
 
 
+def step_component(fit: Fit, step: Effect, share: float) -> Component:
+    """A step at the place where it explains most; share: of all places and kinds of steps."""
+    return Component(step.key, (form_of(fit, (step,)),), float(np.log(PRIORS.free * share)))
+
+
 def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component]:
     """Functions without a name; those of one kind share its probability, but for what every arm has."""
     every = list(functions)

@@ -6,10 +6,11 @@ depends on, and correct it. Each is a form (`variant`) of the one cause `unknown
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ...campaign.problem import Problem
 from .anew import CarriedAnew, GeometryAnew, ScaleAnew, ZeroAnew
+from .at_once import AtOnce
 from .base import Unnamed
 from .campaign import Along, Attitude, Clock, PerPayload, Warmth, ZeroInTime, Zeros
 from .carriage import UnevenCarriage
@@ -24,7 +25,7 @@ from .past import Past
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Foot, Side, Past, Clock, Along, ZeroInTime, Zeros, Warmth,
     PerPayload, Attitude, Bearing, Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, ScaleAnew,
-    GeometryAnew, Product,
+    GeometryAnew, Product, AtOnce,
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (
@@ -33,9 +34,10 @@ BESIDE: tuple[type[Unnamed], ...] = (
 
 
 def unnamed(problem: Problem) -> Iterator[Unnamed]:
-    """Every function without a name that a campaign allows, but products: see `products`."""
+    """Every function without a name that a campaign allows, but those that a search proposes: see `products`
+    and `steps`."""
     for kind in KINDS:
-        if kind is not Product:
+        if kind not in (Product, AtOnce):
             yield from kind.sites(problem)  # type: ignore[misc]
 
 
@@ -49,3 +51,8 @@ def products(problem: Problem, joint: int) -> Iterator[Unnamed]:
     """Functions of two other joints, of one joint's error."""
     name = problem.arm.names[joint]
     yield from (one for one in Product.sites(problem) if one.where.joint == name)
+
+
+def steps(problem: Problem) -> Sequence[AtOnce]:
+    """A step of the base or the instrument, and one of the tool; where, is for a search to say."""
+    return AtOnce.sites(problem)

@@ -1,0 +1,66 @@
+"""A step: from one pose on base, instrument or tool stand otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...robot.kinematics import Array
+from ..base import Depends
+from ..kinds import DirectEffect
+from ..recorded import DataFault
+from .base import Unnamed, each
+from .campaign import flange_of
+
+
+@dataclass(frozen=True)
+class AtOnce(Unnamed, DirectEffect):
+    """Base (or instrument) or tool stands otherwise from pose number `first` on: it slipped, or was moved.
+    Where nobody knows that it did, a search for the place proposes it."""
+
+    variant: str = "base at once"
+    size: float = 3e-5
+    first: float = 0.0
+
+    depends: ClassVar[Depends] = frozenset({"time"})
+    settings: ClassVar[tuple[str, ...]] = ("size", "first")
+    functions: ClassVar[int] = 6
+    unit: ClassVar[str] = "1"
+
+    @property
+    def of_tool(self) -> bool:
+        return self.variant.startswith("tool")
+
+    @property
+    def kind(self) -> DataFault:
+        """What it is of a campaign."""
+        return "changed_setup" if self.of_tool else "moved_instrument"
+
+    @property
+    def label(self) -> str:
+        return f"a step of the {'tool' if self.of_tool else 'base or the instrument'}"
+
+    @property
+    def variable(self) -> str:
+        return f"the order of measurement ({self.label} before measured pose {self.first + 1:.0f})"
+
+    @property
+    def like(self) -> str:
+        return f"{self.label} in the course of the campaign"
+
+    def x(self, problem: Problem) -> Array:
+        return np.arange(len(problem.q), dtype=float)
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        columns = flange_of(problem) if self.of_tool else range(6)
+        return each(columns, (self.x(problem) >= self.first)[:, None].astype(float))
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[AtOnce]:
+        """One of each, after the first half of the poses: where it is a search shows."""
+        middle = float(len(problem.q) // 2)
+        return [cls(variant=f"{which} at once", first=middle) for which in ("base", "tool")]
