@@ -17,8 +17,9 @@ from workbench.diagnosis.telling.headline import Errors, headline
 from workbench.effects.backlash import Backlash
 from workbench.effects.place import Where
 from workbench.effects.records import from_record, record
-from workbench.effects.unnamed import BESIDE, KINDS, Product, Tilt, Warmth, unnamed
+from workbench.effects.unnamed import BESIDE, KINDS, Product, Tilt, Warmth, steps, unnamed
 from workbench.effects.unnamed.anew import CarriedAnew, GeometryAnew, ScaleAnew, ZeroAnew
+from workbench.effects.unnamed.at_once import AtOnce
 from workbench.effects.unnamed.campaign import Along, Clock
 from workbench.effects.unnamed.loads import OwnWeights
 from workbench.identification.fit import fit
@@ -259,10 +260,11 @@ def test_functions_without_a_name_say_what_they_are_about():
     found = list(unnamed(problem))
     absent = {Along, OwnWeights, Product, Warmth}  # its arm has masses
     absent |= {Clock}  # a base or tool that moves with time has a name
+    absent |= {AtOnce}  # where a step is, a search says
     absent |= {CarriedAnew, GeometryAnew, ScaleAnew, ZeroAnew}  # of several campaigns
     assert {type(one) for one in found} == {*KINDS} - absent
     result = fit(Model(problem))
-    for one in [*found, *(beside for kind in BESIDE for beside in kind.sites(problem))]:
+    for one in [*found, *steps(problem), *(beside for kind in BESIDE for beside in kind.sites(problem))]:
         for name in filter(None, (one.where.joint, one.where.other, one.where.link)):
             assert name in one.variable
         weights = one.given({p.name: p.typical for p in one.params})

@@ -77,6 +77,19 @@ def test_what_goes_there_and_back_in_time_drifts(column, says):
     assert size.value == pytest.approx(1.5e-4 * comes_back(TIME).std(), rel=0.3)
 
 
+@pytest.mark.parametrize(("column", "kind"), [(0, "moved_instrument"), (-6, "changed_setup")])
+@pytest.mark.parametrize("time", [TIME, None], ids=["timed", "in order"])
+def test_what_moves_at_once_is_no_drift(column, kind, time):
+    """By less than what stands out beside any smooth course."""
+    gone = 7e-5 * (np.arange(POSES) >= 52)
+    moved = measured(
+        "ur10", loads=(), poses=POSES, time=time, motion=lambda p: {column % (6 * p.arm.slots): gone}
+    )
+    diagnosis = found(moved)
+    assert [(fault.kind, fault.pose_id) for fault in diagnosis.faults] == [(kind, "53")]
+    assert not diagnosis.causes
+
+
 def test_a_zero_that_goes_there_and_back_is_of_its_joint():
     def joints(problem):
         return np.outer(2e-4 * comes_back(TIME), np.arange(6) == 2)

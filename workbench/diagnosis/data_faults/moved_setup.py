@@ -91,10 +91,8 @@ def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
         base = result.whitened(replace(step, first=0.0))
         gains = _gains(*_prefix(result, base, np.arange(len(base))))[possible]
         best = int(gains.argmax())
-        yield (
-            replace(step, first=float(possible[best])),
-            float(np.exp(0.5 * (gains - gains[best])).mean()),
-        )
+        there = replace(step, first=float(possible[best]), pose=c.poses.ids[possible[best]])
+        yield there, float(np.exp(0.5 * (gains - gains[best])).mean())
 
 
 def jump(problem: Problem) -> Step | None:

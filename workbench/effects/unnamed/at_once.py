@@ -20,11 +20,12 @@ from .campaign import flange_of
 @dataclass(frozen=True)
 class AtOnce(Unnamed, DirectEffect):
     """Base (or instrument) or tool stands otherwise from pose number `first` on: it slipped, or was moved.
-    Where nobody knows that it did, a search for the place proposes it."""
+    A search says where; pose: its name in the campaign."""
 
     variant: str = "base at once"
     size: float = 3e-5
     first: float = 0.0
+    pose: str = ""
 
     depends: ClassVar[Depends] = frozenset({"time"})
     settings: ClassVar[tuple[str, ...]] = ("size", "first")
@@ -46,7 +47,7 @@ class AtOnce(Unnamed, DirectEffect):
 
     @property
     def variable(self) -> str:
-        return f"the order of measurement ({self.label} before measured pose {self.first + 1:.0f})"
+        return f"the order of measurement ({self.label} before pose {self.pose})"
 
     @property
     def like(self) -> str:
