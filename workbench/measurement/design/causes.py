@@ -50,6 +50,15 @@ class NamedCause:
         return self.sites(problem) or [parse_effect(self.text, problem)[0]]
 
 
+def split_ties(text: str) -> list[str]:
+    """The ties of `--tell`, which semicolons part; one, empty, where nothing is said.
+
+    >>> split_ties("hose_torque:joint=joint_4,gear_ratio; backlash:joint=joint_1,lost_motion")
+    ['hose_torque:joint=joint_4,gear_ratio', 'backlash:joint=joint_1,lost_motion']
+    """
+    return [part.strip() for part in text.split(";") if part.strip()] or [""]
+
+
 def split_causes(text: str) -> list[str]:
     """The causes of `--tell`: a part without a colon that is key=value belongs to the cause before it."""
     found: list[str] = []

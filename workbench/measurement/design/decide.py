@@ -21,6 +21,7 @@ from ...effects.base import Effect
 from ...effects.given import given_facts
 from ...effects.records import effect_text
 from ...files.faults import InputError
+from ...robot.kinematics import Array
 from ..driving.block import torque_columns
 from .candidates import candidates, reach_of
 from .causes import CHANCE, varied
@@ -48,6 +49,7 @@ MOST = 3  # ambiguous findings that are worked out, the strongest, and readings 
 POOL = 120  # candidate records
 POSES = Attempts(first=24, fewest=24, most=60, times=2, margin=1.6)  # others may turn up as rivals
 AMPLE = 5  # times as many poses of all kinds as anyone measures: none are so well chosen that they tell more
+VISIT = 100  # poses that a visit has, at most
 DRAWS = 3  # of random poses with torques
 TORQUES = (18, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
@@ -77,13 +79,24 @@ class Offers:
     def space(self) -> DesignSpace:
         return design_space(self.prior.of_records(self.records, self.effects), self.measured)
 
+    @property
+    def _torques_tell(self) -> bool:
+        """Whether the drives' torques were not recorded, but a load is in it."""
+        return not self.prior.problem.drives and any(effect.acts == "load" for effect, _ in self.effects)
+
+    @cached_property
+    def with_torques(self) -> DesignSpace | None:
+        """The records with the drives' torques; None where these would tell nothing new."""
+        if not self._torques_tell:
+            return None
+        prior = replace(self.prior, torques=True)
+        return design_space(prior.of_records(self.records, self.effects), self.measured)
+
     @cached_property
     def torques(self) -> tuple[tuple[int, tuple[DesignSpace, ...]], ...]:
         """Some draws of so many random records with the drives' torques, few first: what is common to a
-        joint's torques is taken out of those poses alone. None where these were recorded, or no load is in
-        it."""
-        loads = any(effect.acts == "load" for effect, _ in self.effects)
-        if not loads or self.prior.problem.drives:
+        joint's torques is taken out of those poses alone. None where these would tell nothing new."""
+        if not self._torques_tell:
             return ()
         prior = replace(self.prior, torques=True)
 
@@ -121,7 +134,9 @@ def _decided(outcome: Outcome, told: Sequence[tuple[Finding, Tie]]) -> Outcome:
     carried = {e.key: float(v[0]) for e, v in zip(model.effects, values, strict=True) if len(v) == 1}
     unsettled = frozenset(carried) - {(f.cause, f.where) for f in outcome.diagnosis.causes}
     offers = Offers(prior, valued, prior.of_campaign(valued), carried, unsettled)
-    found = {id(f): _decisions(tie, _heard(tie, f), offers) for f, tie in told}
+    alone = [_decisions(tie, _heard(tie, f), offers) for f, tie in told]
+    at_once = _at_once([tie for _, tie in told], alone, offers)
+    found = {id(f): (*more, *own) for (f, _), more, own in zip(told, at_once, alone, strict=True)}
     causes = tuple(replace(f, decide=found.get(id(f), ())) for f in outcome.diagnosis.causes)
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
 
@@ -139,15 +154,15 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
     source, tell = problem.campaign.arguments, quote(command_text(tie))
     now = least(space, space.before, tie)
     found: list[Decision] = []
-    poses = _settled(space, tie)
+    poses = _settled(space, [tie])
     if poses is not None:
-        count, after = poses
-        words = f"{'about ' if after is None else ''}{count} more poses, chosen for it"
-        command = f"workbench plan {source} --tell {tell} --poses {count} --out follow-up"
-        found.append(Decision("poses", words, command, count, now, after))
+        about = "about " if poses.data is None else ""
+        words = f"{about}{poses.count} more poses, chosen for it"
+        command = f"workbench plan {source} --tell {tell} --poses {poses.count} --out follow-up"
+        found.append(Decision("poses", words, command, poses.count, now, poses.after(tie)))
     torque = _settled_by_torque(offers, tie)
     columns = torque_columns(problem.robot)
-    if torque is not None and (poses is None or torque[0] < poses[0]):
+    if torque is not None and (poses is None or torque[0] < poses.count):
         count, after = torque
         words = f"record the torques of the drives (columns {columns}) at {count} more poses"
         command = f"workbench plan {source} --tell {tell} --poses {count} --torque --out follow-up"
@@ -158,7 +173,7 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
         others += _told_by_torque(offers, heard, columns)
     if poses is None:
         others += [_whole(heard, rival) for rival in _wholes(space, heard)]
-    if poses is None or poses[1] is None:
+    if poses is None or poses.data is None:
         read = {item.effect.key for item in given_facts(problem)}
         said = (separation_beside(tie.effect.key, rival.key, read, problem) for rival in heard.rivals)
         others += filter(None, said)
@@ -166,20 +181,84 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
     return tuple(found)
 
 
-def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float | None] | None:
-    """Poses that settle it, with the margin, and λ after them: not known where it takes more than
-    `POSES.most`; None where it takes more than anyone measures."""
-    settling = Settling(space, [tie])
+def _at_once(
+    ties: Sequence[Tie], alone: Sequence[Sequence[Decision]], offers: Offers
+) -> list[tuple[Decision, ...]]:
+    """For each tie the poses that settle it in one visit with all others that take no more than one. alone:
+    what decides each."""
+    ways = [[way for way in own if way.poses is not None and way.poses <= VISIT] for own in alone]
+    together = [tie for tie, own in zip(ties, ways, strict=True) if own]
+    asked = [own for own in ways if own]
+    if len(together) < 2:
+        return [()] * len(ties)
+    found: list[_Poses] = []
+    if all(any(way.kind == "poses" for way in own) for own in asked):
+        found += _visit(offers.space, together, POSES.fewest)
+    with_torques = [way.poses or 0 for own in asked for way in own if way.kind == "drive_torque"]
+    if with_torques and offers.with_torques is not None:
+        some = _visit(offers.with_torques, together, max(with_torques))
+        found += [one for one in some if not found or one.count < found[0].count]
+    said = [_said_at_once(one, together, offers) for one in found]
+    return [tuple(one[tie] for one in said) if tie in together else () for tie in ties]
+
+
+def _visit(space: DesignSpace, ties: Sequence[Tie], at_least: int) -> list[_Poses]:
+    """Poses that settle all ties in one visit, or none."""
+    found = _settled(space, ties)
+    return [] if found is None or found.count > VISIT else [found.with_at_least(at_least)]
+
+
+def _said_at_once(poses: _Poses, ties: Sequence[Tie], offers: Offers) -> dict[Tie, Decision]:
+    """What poses that settle ties at once are to each of them."""
+    problem, torque = offers.prior.problem, poses.space is not offers.space
+    tell = quote(";".join(map(command_text, ties)))
+    options = f"--poses {poses.count}{' --torque' * torque} --out follow-up"
+    command = f"workbench plan {problem.campaign.arguments} --tell {tell} {options}"
+    words = f"{poses.count} more poses"
+    if torque:
+        columns = torque_columns(problem.robot)
+        words = f"record the torques of the drives (columns {columns}) at {words}"
+    out = {}
+    for tie in ties:
+        others = " and ".join(dict.fromkeys(one.effect.label for one in ties if one is not tie))
+        now, said = least(offers.space, offers.space.before, tie), f"{words}, chosen for it and for {others}"
+        out[tie] = Decision(
+            "drive_torque" if torque else "poses", said, command, poses.count, now, poses.after(tie)
+        )
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class _Poses:
+    """How many poses settle ties, with the margin; data: (P, P) information after them, None where these are
+    more than `POSES.most`."""
+
+    count: int
+    space: DesignSpace
+    data: Array | None
+
+    def after(self, tie: Tie) -> float | None:
+        """λ of a tie after them, where it is known."""
+        return None if self.data is None else least(self.space, self.data, tie)
+
+    def with_at_least(self, count: int) -> _Poses:
+        """The same, or so many."""
+        return replace(self, count=max(self.count, count))
+
+
+def _settled(space: DesignSpace, ties: Sequence[Tie]) -> _Poses | None:
+    """Poses that settle all ties; None where it takes more than anyone measures."""
+    settling = Settling(space, ties)
     if settling.power(space.measured(np.arange(POOL), AMPLE * MOST_MEASURED)) < POWER:
         return None  # however they are chosen
-    chosen, _ = fewest(space, [tie], Search(POOL, 1, 0), POSES)
+    chosen, _ = fewest(space, ties, Search(POOL, 1, 0), POSES)
     needed = settling.needed(chosen)
     if needed is None or POSES.margin * needed > MOST_MEASURED:
         return None
     count = max(POSES.fewest, int(np.ceil(POSES.margin * needed)))
     if count > POSES.most:
-        return 10 * int(np.ceil(count / 10)), None
-    return count, least(space, space.measured(chosen, count), tie)
+        return _Poses(10 * int(np.ceil(count / 10)), space, None)
+    return _Poses(count, space, space.measured(chosen, count))
 
 
 def _settled_by_torque(offers: Offers, tie: Tie) -> tuple[int, float] | None:

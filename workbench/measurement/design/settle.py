@@ -30,7 +30,17 @@ from ...robot.schema import EffectRecord
 from ..driving.ways import Ways
 from .budget import Question, check_sessions, in_time
 from .candidates import candidates, random_draws, random_rows, take
-from .causes import EXAMPLE, chance_of, has_size, label, named_causes, pairs_of, split_causes, varied
+from .causes import (
+    EXAMPLE,
+    chance_of,
+    has_size,
+    label,
+    named_causes,
+    pairs_of,
+    split_causes,
+    split_ties,
+    varied,
+)
 from .discrimination import advice
 from .discrimination_plan import MOST_MEASURED, Discrimination, DiscriminationPlan
 from .fedorov import Records, Search
@@ -58,8 +68,13 @@ NOTHING = 0.01  # probability below which a plan brings nothing to what is true
 
 
 def is_found(text: str) -> bool:
-    """Whether `--tell` says what a diagnosis found: a `result.json`, or a first cause with its size."""
-    return text.endswith(".json") or any(has_size(cause) for cause in split_causes(text)[:1])
+    """Whether `--tell` says what a diagnosis found: a `result.json`, or first causes with their sizes."""
+    return text.endswith(".json") or any(has_size(cause) for cause in _first_causes(text))
+
+
+def _first_causes(text: str) -> list[str]:
+    """The first cause of each tie."""
+    return [cause for tie in split_ties(text) for cause in split_causes(tie)[:1]]
 
 
 def found_by(tell: str | None, problem: Problem) -> list[Effect]:
@@ -67,7 +82,7 @@ def found_by(tell: str | None, problem: Problem) -> list[Effect]:
     if tell is None or not is_found(tell):
         return []
     if not tell.endswith(".json"):
-        return [parse_effect(chance_of(split_causes(tell)[0])[0], problem)[0]]
+        return [parse_effect(chance_of(cause)[0], problem)[0] for cause in _first_causes(tell)]
     with _result(Path(tell), problem) as causes:
         return [_effect(one, problem)[0] for one in causes if one["cause"] != UNKNOWN]
 
@@ -108,22 +123,23 @@ class SettleSpace(Question):
 
 
 def settle_space(prior: PriorInformation, text: str, search: Search) -> SettleSpace:
-    """Candidates that settle every tie of a `result.json`, or that of a cause with its size beside others
-    without. Raises InputError where there is no tie."""
+    """Candidates that settle every tie of a `result.json`, or those of causes with their sizes, each beside
+    others without. Raises InputError where there is no tie."""
     if prior.fit is None:
         what = "needs the campaign that was diagnosed, not the robot alone"
         raise InputError(Fault(f"--tell {text}", what, "workbench plan campaign.toml --tell result.json"))
-    ties = ties_of(Path(text), prior.fit) if text.endswith(".json") else [tie_said(text, prior.fit)]
+    said = [] if text.endswith(".json") else split_ties(text)
+    ties = [tie_said(one, prior.fit) for one in said] or ties_of(Path(text), prior.fit)
     valued = at_zero(ties)
     factors = varied(effect for effect, _ in valued).possible(search.driving)
     rng = np.random.default_rng([search.seed, 21])
     offered = candidates(prior, search.pool, factors, rng, search.draw)
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
-    if not text.endswith(".json"):
+    for one, tie in zip(said, ties, strict=False):
         # of what a diagnosis says with its probability, some may not show in the poses on offer: no fault
-        said = _rivals_said(text, ties[0].effect, wherever(prior.problem))
-        sites = [places for places, chance in said if chance is None]
-        check_shown(space, [[ties[0].effect], *sites], prior)
+        rivals = _rivals_said(one, tie.effect, wherever(prior.problem))
+        sites = [places for places, chance in rivals if chance is None]
+        check_shown(space, [[tie.effect], *sites], prior)
     asked = tuple(tie for tie in (with_shown(space, tie, prior.fit) for tie in ties) if tie.rivals)
     if not asked:
         check_shown(space, [tie.rivals for tie in ties], prior)

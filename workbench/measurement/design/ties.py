@@ -64,7 +64,7 @@ class SizedForm:
         return self.sized[0][0]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Tie:
     """An effect that was found, its size (p,) in usual ones, and the effects that rival it. forms: of each of
     these, and of rivals without a name, the effect and its companions with their prior sizes; chances: the
@@ -350,13 +350,15 @@ def fewest(
 
 def best_records(settling: Settling, steering: DesignSpace, count: int, search: Search) -> Records:
     """`count` records, sorted: the best of those with the largest λ of the causes beside their rivals, of all
-    beside all, and of some random ones, which λ alone may not see."""
-    space = settling.space
-    causes, every = (
-        tuple(dict.fromkeys(pair for tie in settling.ties for pair in of(tie, space)))
+    beside all, of all ties or of each alone, which may settle the others as well, and of some random ones,
+    which λ alone may not see."""
+    space, ties = settling.space, settling.ties
+    asked = [
+        tuple(dict.fromkeys(pair for tie in some for pair in of(tie, space)))
+        for some in dict.fromkeys((tuple(ties), *((tie,) for tie in ties)))
         for of in (Tie.pairs, Tie.all_pairs)
-    )
+    ]
     quick = replace(search, starts=1)
-    designs = [t_optimal(steering, pairs, count, quick) for pairs in dict.fromkeys((causes, every))]
+    designs = [t_optimal(steering, pairs, count, quick) for pairs in dict.fromkeys(asked)]
     designs += random_draws(len(space.rows), count, search.seed)
     return max(designs, key=lambda design: settling.believed(space.measured(design)))
