@@ -209,6 +209,35 @@ def test_torques_are_planned_for_the_tie(hosed):
     assert blind.drive is None
 
 
+def test_ties_that_are_open_at_once_are_settled_in_one_visit(hosed):
+    """With torques, for one asks for them; in fewer poses than one tie after the other takes, and its command
+    plans for both."""
+    campaign, outcome = hosed
+    prior = from_prepared(outcome.prepared)
+
+    def tie(first, rival):
+        effect, values = parse_effect(first, prior.problem)
+        other = parse_effect(rival, prior.problem)[0]
+        return tie_between(prior.fit, effect, values, (other,), {effect.key: 0.6, other.key: 0.4})
+
+    hose = tie("hose_torque:joint=joint_5,rate=40", "gear_ratio:joint=joint_5,relative=1e-4")
+    soft = tie("joint_compliance:joint=joint_2,relative=0.3", "link_bending:link=link_2,compliance=1e-8")
+    ties, valued = (hose, soft), at_zero([hose, soft])
+    offers = decide.Offers(prior, valued, prior.of_campaign(valued))
+    alone = [decide._decisions(one, one, offers) for one in ties]
+    assert [ways[0].kind for ways in alone] == ["drive_torque", "poses"]
+    (ours,), (theirs,) = decide._at_once(ties, alone, offers)
+    assert ours.kind == "drive_torque"
+    assert ours.command == theirs.command
+    assert ours.words.endswith("chosen for it and for joint_compliance(joint_2)")
+    assert ours.poses < sum(ways[0].poses for ways in alone)
+    made = follow_up(campaign, ours, quick=True)
+    assert made.drive.torque
+    assert made.settles
+    assert {one.effect for one in made.asked} == {hose.effect, soft.effect}
+    assert decide._at_once(ties, [alone[0], ()], offers) == [(), ()]
+
+
 def test_what_torques_tell_of_a_tie_that_they_do_not_settle_is_counted(hosed):
     """Two causes without a torque stay two: the torques tell the hose pack from both, in so many poses."""
     _, outcome = hosed

@@ -63,7 +63,7 @@ def add(commands: Commands) -> None:
         help="two causes or more as in --effect: gear_ratio:joint=joint_2,link_mass:link=link_2, the first "
         "with its size where it was found; what is left out (joint, link, payload) is tried everywhere: "
         "gear_ratio,hose_torque; or the result.json of a diagnosis: all that it left open. What was found is "
-        "settled in as few poses as do it",
+        "settled in as few poses as do it; several of it at once are parted by semicolons",
     )
     known_option(parser)
     parser.add_argument(

@@ -58,8 +58,8 @@ def plan(
 
     source: a campaign, of which what it has shown already counts, or a robot that was not measured yet.
     poses: how many to choose (30). tell: causes, "A,B", each as in `--effect`, the first with its size where
-    it was found; or the path of a `result.json`, all ties of which are to be settled. What was found is
-    settled by as few poses as do it where none are said. known: facts as `--known` takes them. seed: of the
+    it was found, several such ties parted by semicolons; or the path of a `result.json`, all ties of which
+    are to be settled. What was found is settled by as few poses as do it where none are said. known: facts as `--known` takes them. seed: of the
     poses on offer; quick: fewer of them. cell: what stands around the robot (default: what the campaign
     says); minutes: in place of a number of poses the time that they may take, loads, stops on the way and
     targets chosen with them; dwell: [s] of a standstill with one target; torque: the drives' torques are to
