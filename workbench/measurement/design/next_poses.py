@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -59,13 +59,13 @@ def plan(
     source: a campaign, of which what it has shown already counts, or a robot that was not measured yet.
     poses: how many to choose (30). tell: causes, "A,B", each as in `--effect`, the first with its size where
     it was found, several such ties parted by semicolons; or the path of a `result.json`, all ties of which
-    are to be settled. What was found is settled by as few poses as do it where none are said. known: facts as `--known` takes them. seed: of the
-    poses on offer; quick: fewer of them. cell: what stands around the robot (default: what the campaign
-    says); minutes: in place of a number of poses the time that they may take, loads, stops on the way and
-    targets chosen with them; dwell: [s] of a standstill with one target; torque: the drives' torques are to
-    be recorded too, as in a campaign that has them; payloads: further loads that can be mounted, name → mass
-    [kg] and centre of mass [m, flange frame]. progress: is told each step in words. Raises
-    `InputError` where there is no plan.
+    are to be settled. What was found is settled by as few poses as do it where none are said. known: facts
+    as `--known` takes them. seed: of the poses on offer; quick: fewer of them. cell: what stands around the
+    robot (default: what the campaign says); minutes: in place of a number of poses the time that they may
+    take, loads, stops on the way and targets chosen with them; dwell: [s] of a standstill with one target;
+    torque: the drives' torques are to be recorded too, as in a campaign that has them; payloads: further
+    loads that can be mounted, name → mass [kg] and centre of mass [m, flange frame]. progress: is told each
+    step in words. Raises `InputError` where there is no plan.
 
     >>> from workbench import load_robot, plan
     >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
@@ -78,56 +78,81 @@ def plan(
         raise InputError(Fault("--poses", f"is {poses}", "give a number of poses"))
     if poses is not None and minutes is not None:
         raise InputError(Fault("--poses, --minutes", "are two limits", "give the number or the time"))
-    count = poses or POSES
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
-    if isinstance(source, Campaign):
-        prior = from_campaign(with_known(source, known), partial(found_by, tell))
-    else:
-        prior = from_robot(source, known)
-    prior = replace(prior.with_payloads(payloads or {}), torques=torque)
+    prior = replace(_prior(source, tell, known).with_payloads(payloads or {}), torques=torque)
     around = reach_of(prior, seed, cell)
     seconds = None if minutes is None else 60 * minutes
-    if seconds is not None:
-        count = _likely(around, seconds, dwell)
+    count = (poses or POSES) if seconds is None else _likely(around, seconds, dwell)
     if count > MOST:
         said = "--poses" if seconds is None else "--minutes"
         raise InputError(Fault(said, f"asks for {count} poses", f"{MOST} are the most"))
-    found = tell is not None and is_found(tell)
-    fast = quick or found or minutes is not None  # in time, and of what was found, many plans are tried
-    pool, per_pose, starts = (QUICK_POOL, QUICK_PER_POSE, QUICK_STARTS) if fast else (POOL, PER_POSE, STARTS)
-    pool = max(pool, per_pose * count)
-
-    def chosen(around: Reach) -> Plan:
-        search = Search(pool, starts, seed, around.draw, around.cell.driving)
-        ways = Ways(around)
-        what = f"{count}" if minutes is None else f"for {minutes:g} min"
-        progress(f"choosing {what} of about {pool} possible records")
-        made: Plan
-        if tell is None:
-            made = (
-                plan_accuracy(prior, count, search)
-                if seconds is None
-                else plan_accuracy_in_time(prior, seconds, search, ways, dwell)
-            )
-        elif seconds is not None:
-            in_time = plan_settling_in_time if found else plan_discrimination_in_time
-            made = in_time(prior, tell, seconds, search, ways, dwell)
-        elif found:
-            made = plan_settling(prior, tell, poses, search)
-        else:
-            made = plan_discrimination(prior, tell, count, search)
-        return _driven(made, prior, around, ways, dwell, progress)
-
+    asked = _Asked(prior, tell, poses, seconds, count, dwell, seed, quick, progress)
     try:
-        made = chosen(around)
+        made = asked.planned(around)
     except NoWay:
         progress("looking closely at the ways between all poses: some that coarse looks promised are none")
-        made = chosen(replace(around, closely=True))
+        made = asked.planned(replace(around, closely=True))
     if made.drive is None:
         return made
     before, planned = prior.problem.campaign.poses, made.drive.records.poses
     warmth = before.temperature is not None or planned.temperature is not None
     return replace(made, drive=replace(made.drive, torque=torque or prior.problem.drives > 0, warmth=warmth))
+
+
+def _prior(source: Campaign | Robot, tell: str | None, known: Sequence[str]) -> PriorInformation:
+    """What is known of a campaign's robot, or of one that was not measured."""
+    if isinstance(source, Campaign):
+        return from_campaign(with_known(source, known), partial(found_by, tell))
+    return from_robot(source, known)
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What a plan is asked for, as `plan` has it. poses, seconds: its limit, if any is said; count: how many
+    poses that is, about."""
+
+    prior: PriorInformation
+    tell: str | None
+    poses: int | None
+    seconds: float | None
+    count: int
+    dwell: float
+    seed: int
+    quick: bool
+    progress: Progress
+
+    def planned(self, around: Reach) -> Plan:
+        """The plan in the order in which it is driven. Raises InputError, and `NoWay` where a way that coarse
+        looks promised is none."""
+        search, ways = self._search(around), Ways(around)
+        what = f"{self.count}" if self.seconds is None else f"for {self.seconds / 60:g} min"
+        self.progress(f"choosing {what} of about {search.pool} possible records")
+        return _driven(self._chosen(search, ways), self.prior, around, ways, self.dwell, self.progress)
+
+    @property
+    def _found(self) -> bool:
+        """Whether it is to settle what a diagnosis found."""
+        return self.tell is not None and is_found(self.tell)
+
+    def _search(self, around: Reach) -> Search:
+        """Fewer records on offer where many plans are tried: in time, and of what was found."""
+        fast = self.quick or self._found or self.seconds is not None
+        of = (QUICK_POOL, QUICK_PER_POSE, QUICK_STARTS) if fast else (POOL, PER_POSE, STARTS)
+        pool, per_pose, starts = of
+        return Search(max(pool, per_pose * self.count), starts, self.seed, around.draw, around.cell.driving)
+
+    def _chosen(self, search: Search, ways: Ways) -> Plan:
+        """The records, in no order yet."""
+        if self.seconds is None:
+            if self.tell is None:
+                return plan_accuracy(self.prior, self.count, search)
+            if self._found:
+                return plan_settling(self.prior, self.tell, self.poses, search)
+            return plan_discrimination(self.prior, self.tell, self.count, search)
+        if self.tell is None:
+            return plan_accuracy_in_time(self.prior, self.seconds, search, ways, self.dwell)
+        in_time = plan_settling_in_time if self._found else plan_discrimination_in_time
+        return in_time(self.prior, self.tell, self.seconds, search, ways, self.dwell)
 
 
 def follow_up(
