@@ -6,38 +6,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from dataclasses import replace
 from shlex import quote
 
 import numpy as np
 
-from ...campaign import Campaign
 from ...campaign.problem import Problem
 from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome
-from ...effects import Key, separation_beside
+from ...effects import separation_beside
 from ...effects.base import Effect
 from ...effects.given import given_facts
 from ...effects.records import effect_text
 from ...files.faults import InputError
-from ...robot.kinematics import Array
+from ...identification.fit import Fit
 from ..driving.block import torque_columns
-from .candidates import candidates, reach_of
-from .causes import CHANCE, varied
+from .causes import CHANCE
 from .discrimination_plan import MOST_MEASURED
-from .fedorov import Search
-from .prior_information import PriorInformation, Sensitivity, ValuedEffects, from_prepared
-from .t_optimal import DesignSpace, design_space
+from .offers import POSES, Offers, Poses, settled
+from .prior_information import from_prepared
+from .t_optimal import DesignSpace
 from .ties import (
     POWER,
     SAID,
-    Attempts,
     Settling,
     Tie,
     at_zero,
     contains,
-    fewest,
     imitation,
     least,
     settled_at,
@@ -46,65 +41,8 @@ from .ties import (
 )
 
 MOST = 3  # ambiguous findings that are worked out, the strongest, and readings of each
-POOL = 120  # candidate records
-POSES = Attempts(first=24, fewest=24, most=60, times=2, margin=1.6)  # others may turn up as rivals
-AMPLE = 5  # times as many poses of all kinds as anyone measures: none are so well chosen that they tell more
 VISIT = 100  # poses that a visit has, at most
-DRAWS = 3  # of random poses with torques
-TORQUES = (18, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
-
-
-@dataclass(frozen=True, eq=False)
-class Offers:
-    """What may be measured next. effects: at stake; measured: their sensitivity in the campaign; carried: the
-    numbers of the fitted model's effects that have one; unsettled: those that stand in for what has no name,
-    with numbers that the data do not settle: what a reading of them would have to be nobody knows."""
-
-    prior: PriorInformation
-    effects: ValuedEffects
-    measured: Sensitivity | None
-    carried: Mapping[Key, float] = field(default_factory=dict)
-    unsettled: frozenset[Key] = frozenset()
-
-    @cached_property
-    def records(self) -> Campaign:
-        """Records as `plan` offers them, but for whether the poses hang together: a plan's matter."""
-        around = reach_of(self.prior, 0)
-        factors = varied(effect for effect, _ in self.effects).possible(around.cell.driving)
-        draw = partial(around.draw, linked=False)
-        return candidates(self.prior, POOL, factors, np.random.default_rng(21), draw)
-
-    @cached_property
-    def space(self) -> DesignSpace:
-        return design_space(self.prior.of_records(self.records, self.effects), self.measured)
-
-    @property
-    def _torques_tell(self) -> bool:
-        """Whether the drives' torques were not recorded, but a load is in it."""
-        return not self.prior.problem.drives and any(effect.acts == "load" for effect, _ in self.effects)
-
-    @cached_property
-    def with_torques(self) -> DesignSpace | None:
-        """The records with the drives' torques; None where these would tell nothing new."""
-        if not self._torques_tell:
-            return None
-        prior = replace(self.prior, torques=True)
-        return design_space(prior.of_records(self.records, self.effects), self.measured)
-
-    @cached_property
-    def torques(self) -> tuple[tuple[int, tuple[DesignSpace, ...]], ...]:
-        """Some draws of so many random records with the drives' torques, few first: what is common to a
-        joint's torques is taken out of those poses alone. None where these would tell nothing new."""
-        if not self._torques_tell:
-            return ()
-        prior = replace(self.prior, torques=True)
-
-        def space(count: int, draw: int) -> DesignSpace:
-            chosen = np.sort(np.random.default_rng([23, draw]).permutation(POOL)[:count])
-            return design_space(prior.of_records(self.records.some(chosen), self.effects), self.measured)
-
-        return tuple((count, tuple(space(count, draw) for draw in range(DRAWS))) for count in TORQUES)
 
 
 def what_decides(outcome: Outcome) -> Outcome:
@@ -154,7 +92,7 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
     source, tell = problem.campaign.arguments, quote(command_text(tie))
     now = least(space, space.before, tie)
     found: list[Decision] = []
-    poses = _settled(space, [tie])
+    poses = settled(space, [tie], offers.prior.fit)
     if poses is not None:
         about = "about " if poses.data is None else ""
         words = f"{about}{poses.count} more poses, chosen for it"
@@ -191,24 +129,24 @@ def _at_once(
     asked = [own for own in ways if own]
     if len(together) < 2:
         return [()] * len(ties)
-    found: list[_Poses] = []
+    found: list[Poses] = []
     if all(any(way.kind == "poses" for way in own) for own in asked):
-        found += _visit(offers.space, together, POSES.fewest)
+        found += _visit(offers.space, together, offers.prior.fit, POSES.fewest)
     with_torques = [way.poses or 0 for own in asked for way in own if way.kind == "drive_torque"]
     if with_torques and offers.with_torques is not None:
-        some = _visit(offers.with_torques, together, max(with_torques))
+        some = _visit(offers.with_torques, together, offers.prior.fit, max(with_torques))
         found += [one for one in some if not found or one.count < found[0].count]
     said = [_said_at_once(one, together, offers) for one in found]
     return [tuple(one[tie] for one in said) if tie in together else () for tie in ties]
 
 
-def _visit(space: DesignSpace, ties: Sequence[Tie], at_least: int) -> list[_Poses]:
+def _visit(space: DesignSpace, ties: Sequence[Tie], fit: Fit | None, at_least: int) -> list[Poses]:
     """Poses that settle all ties in one visit, or none."""
-    found = _settled(space, ties)
+    found = settled(space, ties, fit)
     return [] if found is None or found.count > VISIT else [found.with_at_least(at_least)]
 
 
-def _said_at_once(poses: _Poses, ties: Sequence[Tie], offers: Offers) -> dict[Tie, Decision]:
+def _said_at_once(poses: Poses, ties: Sequence[Tie], offers: Offers) -> dict[Tie, Decision]:
     """What poses that settle ties at once are to each of them."""
     problem, torque = offers.prior.problem, poses.space is not offers.space
     tell = quote(";".join(map(command_text, ties)))
@@ -226,39 +164,6 @@ def _said_at_once(poses: _Poses, ties: Sequence[Tie], offers: Offers) -> dict[Ti
             "drive_torque" if torque else "poses", said, command, poses.count, now, poses.after(tie)
         )
     return out
-
-
-@dataclass(frozen=True, eq=False)
-class _Poses:
-    """How many poses settle ties, with the margin; data: (P, P) information after them, None where these are
-    more than `POSES.most`."""
-
-    count: int
-    space: DesignSpace
-    data: Array | None
-
-    def after(self, tie: Tie) -> float | None:
-        """λ of a tie after them, where it is known."""
-        return None if self.data is None else least(self.space, self.data, tie)
-
-    def with_at_least(self, count: int) -> _Poses:
-        """The same, or so many."""
-        return replace(self, count=max(self.count, count))
-
-
-def _settled(space: DesignSpace, ties: Sequence[Tie]) -> _Poses | None:
-    """Poses that settle all ties; None where it takes more than anyone measures."""
-    settling = Settling(space, ties)
-    if settling.power(space.measured(np.arange(POOL), AMPLE * MOST_MEASURED)) < POWER:
-        return None  # however they are chosen
-    chosen, _ = fewest(space, ties, Search(POOL, 1, 0), POSES)
-    needed = settling.needed(chosen)
-    if needed is None or POSES.margin * needed > MOST_MEASURED:
-        return None
-    count = max(POSES.fewest, int(np.ceil(POSES.margin * needed)))
-    if count > POSES.most:
-        return _Poses(10 * int(np.ceil(count / 10)), space, None)
-    return _Poses(count, space, space.measured(chosen, count))
 
 
 def _settled_by_torque(offers: Offers, tie: Tie) -> tuple[int, float] | None:

@@ -41,7 +41,7 @@ def check_shown(space: DesignSpace, causes: Sequence[Sequence[Effect]], prior: P
         raise InputError(faults)
 
 
-def with_shown(space: DesignSpace, tie: Tie, fit: Fit) -> Tie:
+def with_shown(space: DesignSpace, tie: Tie, fit: Fit | None) -> Tie:
     """The tie without rivals that nothing would show."""
     gone = {rival for rival in tie.rivals if not is_shown(space, rival, fit)}
     return replace(
