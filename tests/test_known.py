@@ -22,7 +22,7 @@ from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.model_file import fit_files
 from workbench.identification.noise import required_noise
-from workbench.measurement.design import decide
+from workbench.measurement.design import offers
 from workbench.measurement.design.discrimination_plan import LEVELS
 from workbench.report.content import _given as content_row
 from workbench.report.content import content
@@ -165,7 +165,7 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
     )
     # what cannot be worked out does not lose the diagnosis
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(decide, "reach_of", too_soft)
+        patch.setattr(offers, "reach_of", too_soft)
         kept = what_decides(before)
     assert kept.diagnosis.causes == before.diagnosis.causes
     for notes in (kept.diagnosis.notes, kept.prepared.notes):
