@@ -8,6 +8,7 @@ import pytest
 from workbench import Truth, load_robot, parse_effect, planned, random_poses, simulate
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.priors import varied
+from workbench.diagnosis.weighing.components import cause_components
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.joint_map import JointMap
 from workbench.effects.place import Where
@@ -73,6 +74,34 @@ def test_poses_refute_what_contains_the_cause(tied):
     assert powers[-1] > 0.4
     sure = replace(tie, chances={sine.key: 0.94, whole.key: 0.06})
     assert Settling(space, [sure]).power(space.measured(np.arange(40))) > powers[2] + 0.2
+
+
+def test_a_cause_that_only_its_prior_odds_name_is_not_settled(tied):
+    """A rival that was as unlikely before the data as it is now has to be refuted by further data."""
+    fit, sine, values, whole, space = tied
+    tie = tie_between(fit, sine, values, (whole,), {sine.key: 0.99, whole.key: 0.01})
+    before, after = (space.measured(np.arange(n)) for n in (0, POOL))
+    unlikely = replace(tie, log_odds={sine.key: 0.0, whole.key: -5.0})
+    alike = replace(tie, log_odds={sine.key: 0.0, whole.key: 0.0})
+    assert Settling(space, [alike]).power(before) > POWER
+    assert Settling(space, [unlikely]).power(before) < 0.1
+    assert Settling(space, [unlikely]).power(after) < Settling(space, [alike]).power(after)
+
+
+def test_prior_odds_are_those_of_a_diagnosis(tied):
+    """Which has a cause at all its places; but of lines in a gear: theirs are also those of their order."""
+    fit, sine, values, whole, _ = tied
+    line, soft = (
+        parse_effect(text, fit.model.problem)[0]
+        for text in (
+            "gear_kinematic_error:joint=joint_4,order=70,amplitude=1e-4,phase=0",
+            "joint_compliance:joint=joint_4,relative=0.1",
+        )
+    )
+    tie = tie_between(fit, sine, values, (whole, line, soft), {})
+    every = [one for kind in (JointMap, JointCompliance, type(sine)) for one in kind.sites(fit.model.problem)]
+    odds = {one.key: one.log_odds for one in cause_components(fit, every)}
+    assert tie.log_odds == pytest.approx({key: odds[key] for key in (sine.key, whole.key, soft.key)})
 
 
 def test_what_is_promised_is_what_comes_of_it(tied):

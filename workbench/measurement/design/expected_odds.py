@@ -43,18 +43,21 @@ class Pattern:
 @dataclass(frozen=True, eq=False)
 class Hypotheses:
     """What may be true: H hypotheses in their forms. chances: (H,) probabilities now, up to a factor; slow:
-    (H, H) by how much log odds between two are too sure; named: (H,) which have a name."""
+    (H, H) by how much log odds between two are too sure; named: (H,) which have a name; less: (H, H) log of
+    by how much less likely the second was than the first before the data."""
 
     patterns: tuple[Pattern, ...]
     chances: Array
     slow: Array
     named: NDArray[np.bool_]
+    less: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """named: probability that a diagnosis names what is true, of what has a name, with `SPARE` log odds to
-    spare; believed: mean probability that it gives to what is true."""
+    """named: probability that a diagnosis names what is true, of what has a name, by its probability and by
+    what the data alone say, with `SPARE` log odds to spare; believed: mean probability that it gives to what
+    is true."""
 
     named: float
     believed: float
@@ -159,7 +162,7 @@ class Outlook:
         added = then - self.now
         w, V = np.linalg.eigh(added)
         root = V * np.sqrt(np.maximum(w, 0.0)) @ V.T
-        sure = PRIORS.named / (1 - PRIORS.named)
+        sure, by_data = (share / (1 - share) for share in (PRIORS.named, PRIORS.by_data))
         named, believed = 0.0, 0.0
         drawn = [self.u + beta @ added + noise @ root for _, beta, noise in self._true]
         every = after.standing(np.concatenate(drawn), len(self._chances))
@@ -170,8 +173,10 @@ class Outlook:
             gained = _odds(standing, h, told) - _odds(self._standing, h, told)
             odds = np.log(told.chances / told.chances[h])[:, None] + gained / told.slow[h][:, None]
             spare = (SPARE / told.slow[h])[:, None]
-            others, nearly = (_sum_but(h, odds + more) for more in (0.0, spare))
-            named += self._chances[h] * float(np.mean(nearly * sure <= 1))
+            alike = spare + told.less[h][:, None]
+            others, nearly, raised = (_sum_but(h, odds + more) for more in (0.0, spare, alike))
+            settled = (nearly * sure <= 1) & (raised * by_data <= 1)
+            named += self._chances[h] * float(np.mean(settled))
             believed += self._chances[h] * float(np.mean(1 / (1 + others)))
         return Expected(named, believed)
 

@@ -25,7 +25,7 @@ from ...campaign.planned import joint_ranges
 from ...campaign.problem import Problem
 from ...diagnosis.result import Finding
 from ...diagnosis.run import Outcome
-from ...diagnosis.weighing.components import Key, at_once, by_key, with_companions
+from ...diagnosis.weighing.components import Key, at_once, by_key, log_odds_of, with_companions
 from ...diagnosis.weighing.stand_ins import times_too_sure
 from ...effects import catalogue
 from ...effects.base import UNKNOWN, Effect
@@ -68,13 +68,15 @@ class SizedForm:
 class Tie:
     """An effect that was found, its size (p,) in usual ones, and the effects that rival it. forms: of each of
     these, and of rivals without a name, the effect and its companions with their prior sizes; chances: the
-    probability of each, by its key, where they are known."""
+    probability of each, by its key, where they are known; log_odds: before the data, of each with a name that
+    is no line in a gear."""
 
     effect: Effect
     size: Array
     rivals: tuple[Effect, ...]
     forms: tuple[SizedForm, ...]
     chances: Mapping[Key, float]
+    log_odds: Mapping[Key, float]
 
     def chance(self, key: Key) -> float:
         return max(self.chances.get(key, 1.0), FAINTEST)
@@ -114,9 +116,16 @@ class Tie:
             [times_too_sure(firsts[a], firsts[b]) if UNKNOWN not in (a[0], b[0]) else 1.0 for b in keys]
             for a in keys
         ]
-        return Hypotheses(
-            tuple(patterns), np.array([self.chance(key) for key in keys]), np.array(slow), named
-        )
+        chances = np.array([self.chance(key) for key in keys])
+        less = np.array([[self._less(a, b) for b in keys] for a in keys])
+        return Hypotheses(tuple(patterns), chances, np.array(slow), named, less)
+
+    def _less(self, one: Key, other: Key) -> float:
+        """log of by how much less likely the other was than the one before the data, as far as both have a
+        name: functions without one stand for what nobody knows."""
+        if one not in self.log_odds or other not in self.log_odds:
+            return 0.0
+        return max(self.log_odds[one] - self.log_odds[other], 0.0)
 
 
 @dataclass(frozen=True)
@@ -180,7 +189,19 @@ def tie_between(
         for one in every
         if one.rarer(about)
     ]
-    return Tie(effect, values / np.array([p.typical for p in effect.params]), rivals, tuple(forms), chances)
+    size = values / np.array([p.typical for p in effect.params])
+    return Tie(effect, size, rivals, tuple(forms), chances, _log_odds(every, fit))
+
+
+def _log_odds(effects: Sequence[Effect], fit: Fit) -> dict[Key, float]:
+    """log odds before the data of causes at their places, by key; not of lines in a gear."""
+    known, given, about = catalogue(), fit.model.given, wherever(fit.model.problem)
+    named = [one for one in effects if one.cause in known and one.where.order is None]
+    sites = {
+        cause: len({e.key for e in known[cause].sites(about) if not any(item.is_for(e) for item in given)})
+        for cause in {one.cause for one in named}
+    }
+    return {one.key: log_odds_of(one, max(sites[one.cause], 1)) for one in named}
 
 
 def wherever(problem: Problem) -> Problem:
