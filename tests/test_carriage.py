@@ -25,7 +25,7 @@ def plan_of(poses):
 
 
 def test_sliding_joints_have_both_forms():
-    sites = BearingTilt.sites(problem(plan_of(3)))
+    sites = BearingTilt.even(problem(plan_of(3)))
     forms = {(str(one.where), one.variant) for one in sites}
     assert forms - {(f"joint_{j}", "") for j in (1, 2, 3)} == {(f"joint_{j}", "carriage") for j in (2, 3)}
     assert len(sites) == 5
@@ -33,7 +33,7 @@ def test_sliding_joints_have_both_forms():
 
 def test_a_carriage_turns_about_itself_under_the_moment_there():
     arm = problem(plan_of(3)).arm
-    carriage = BearingTilt.sites(problem(plan_of(3)))[-1]
+    carriage = BearingTilt.even(problem(plan_of(3)))[-1]
     wrench, span = np.random.default_rng(1).normal(size=(4, 6)), arm.span[carriage.slot(arm)]
     moved, _, _ = carriage.law(arm, wrench, np.array([2e-6]))
     shift, turn = moved[:, :RX], moved[:, RX:]

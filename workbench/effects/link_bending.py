@@ -87,7 +87,7 @@ class LinkBending(LinearYield):
         more or less of the compensator's force."""
         arm, slot = problem.arm, self.slot(problem.arm)
         ends = [name for k, name in enumerate(arm.names, start=1) if k in (slot - 1, slot)]
-        tilts = [one for one in BearingTilt.sites(problem) if one.where.joint in ends]
+        tilts = [one for one in BearingTilt.even(problem) if one.where.joint in ends]
         every: list[OfLink] = [*OwnWeight.sites(problem), *PivotForce.sites(problem)]
         own = [one for one in every if one.where == self.where]
         return [*((0.3, one) for one in tilts), *((self._share(problem, one), one) for one in own)]

@@ -19,7 +19,7 @@ from .foot import Foot
 from .instrument import Bearing, Head, Ranging, Reflectors, Views
 from .joints import Pair, Product, Side, SideBands, Tilt
 from .link_ends import OwnWeight, PivotForce, UnevenBending
-from .loads import Load, OwnWeights, StatedForces, Torque, UnevenTilt
+from .loads import Load, OwnWeights, StatedForces, TippingTilt, Torque, UnevenTilt
 from .past import Past
 
 KINDS: tuple[type[Unnamed], ...] = (
@@ -29,7 +29,8 @@ KINDS: tuple[type[Unnamed], ...] = (
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (
-    CurvedYield, OwnWeight, PivotForce, SideBands, StatedForces, UnevenBending, UnevenCarriage, UnevenTilt,
+    CurvedYield, OwnWeight, PivotForce, SideBands, StatedForces, TippingTilt, UnevenBending, UnevenCarriage,
+    UnevenTilt,
 )  # fmt: skip
 
 

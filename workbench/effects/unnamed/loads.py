@@ -14,7 +14,7 @@ from ...campaign.problem import Problem
 from ...robot.kinematics import RX, RZ, TX, Arm, Array, Frames
 from ...robot.loads import Loads, wrenches
 from ...robot.rotations import cross
-from ..base import Depends, Param, short
+from ..base import Depends, Param, motion_said, short
 from ..kinds import DirectEffect, LoadEffect
 from ..place import Where
 from .base import Unnamed, each
@@ -251,6 +251,40 @@ class UnevenTilt(Uneven):
     def sites(cls, problem: Problem) -> Sequence[UnevenTilt]:
         """The base and the joints, where there is a moment on them."""
         return cls.bearing(problem, [Where(), *(Where(joint=name) for name in problem.arm.names)])
+
+
+@dataclass(frozen=True)
+class TippingTilt(Uneven):
+    """A bearing with play does not tip as far about one axis across as about the other, nor about that of the
+    moment alone. The moment is the overturning one; from `most` of its largest on nothing tips any more."""
+
+    variant: str = "tipping tilt"
+    most: float = 0.1
+
+    functions: ClassVar[int] = 4
+    settings: ClassVar[tuple[str, ...]] = (*Uneven.settings, "most")
+
+    @property
+    def variable(self) -> str:
+        return f"the side of the overturning moment on {self.where.joint}"
+
+    def moment(self, problem: Problem) -> Array:
+        """(N, 2) [N·m] overturning moment, about both axes across."""
+        return np.asarray(problem.nominal_load.local[:, problem.joint(self.where.joint) + 1, RX : RX + 2])
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        first = 6 * (problem.joint(self.where.joint) + 1) + RX
+        tipped = np.tanh(self.moment(problem) / (self.most * self.largest))
+        return each((first, first + 1), tipped)
+
+    def sentence(self, values: Array) -> str:
+        most = motion_said(float(np.linalg.norm(values.reshape(2, 2), 2)))
+        return f"It does not tip alike about all axes: by up to {most} more or less."
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[TippingTilt]:
+        """The joints, where there is a moment on them."""
+        return cls.bearing(problem, [Where(joint=name) for name in problem.arm.names])
 
 
 @dataclass(frozen=True)

@@ -140,8 +140,8 @@ def _hide(
     for cause in causes:
         by_key: dict[Any, list[Effect]] = {}
         for effect in catalogue()[cause].sites(problem):
-            if effect.variant == "all":
-                continue  # all masses of an arm: robots drawn here have none that are wrong so
+            if effect.variant == "all" or (cause == "bearing_tilt" and effect.rare):
+                continue  # all masses of an arm, play of a bearing: robots drawn here have none such
             by_key.setdefault(effect.key, []).append(effect)
         if not by_key:
             return None
