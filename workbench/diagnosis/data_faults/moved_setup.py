@@ -18,6 +18,7 @@ from ...effects import catalogue
 from ...effects.base import Effect
 from ...effects.recorded import DataFault
 from ...effects.unnamed import steps, unnamed
+from ...effects.unnamed.at_once import stands_anew
 from ...identification.fit import Fit
 from ...identification.registration import (
     GOOD,
@@ -83,11 +84,13 @@ def step_in_time(result: Fit) -> Step | None:
 
 def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
     """A step of each kind where it explains most, and how far the data tell this place from the others: the
-    share of all places that are about as likely. None in campaigns in which none is sought."""
+    share of all places that are about as likely. None in campaigns in which none is sought; of several
+    set-ups those of the robot alone."""
     c, possible = result.model.problem.campaign, places(result.model.problem.positions)
-    if len(c.setup_names) > 1 or not possible or in_motion(c.poses.q, c.poses.time):
+    if c.beside or not possible or in_motion(c.poses.q, c.poses.time):
         return
-    for step in steps(result.model.problem):
+    several = len(c.setup_names) > 1
+    for step in (one for one in steps(result.model.problem) if not several or stands_anew(one) is None):
         base = result.whitened(replace(step, first=0.0))
         gains = _gains(*_prefix(result, base, np.arange(len(base))))[possible]
         best = int(gains.argmax())
@@ -180,7 +183,7 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
 
 
 def _gains(S: Array, u: Array, own: Array) -> Array:
-    """(K,) what each of K steps takes off χ², of S (K, 6, 6), u (K, 6) and own (K, 6) as `quadratic` has
+    """(K,) what each of K steps takes off χ², of S (K, m, m), u (K, m) and own (K, m) as `quadratic` has
     them."""
     length = np.sqrt(np.maximum(own, 1e-300))
     values, axes = np.linalg.eigh(S / (length[:, :, None] * length[:, None]))
@@ -315,14 +318,15 @@ def _of_time(problem: Problem) -> list[Effect]:
 
 
 def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> tuple[Array, Array, Array]:
-    """S (N, 6, 6), u (N, 6), own (N, 6) of a step before each pose of an order, by running sums."""
+    """S (N, m, m), u (N, m), own (N, m) of a step of m motions before each pose of an order, by running
+    sums."""
     base, r, J = base[order], result.r[order], result.J[order] * result.columns.prior
     gram, score, back = (
         _before(a.swapaxes(1, 2) @ b) for a, b in ((base, base), (base, r[..., None]), (J, base))
     )
     flat = back.swapaxes(0, 1).reshape(back.shape[1], -1)
     taken = solve_triangular(result.upper, flat, trans="T", check_finite=False)
-    Z = taken.reshape(back.shape[1], len(order), 6).transpose(1, 2, 0)
+    Z = taken.reshape(back.shape[1], len(order), base.shape[2]).transpose(1, 2, 0)
     u = score[..., 0] - Z @ still_to_go(result)
     return gram - Z @ Z.swapaxes(1, 2), u, np.diagonal(gram, axis1=1, axis2=2)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
-from ...effects.unnamed.at_once import AtOnce
+from ...effects.unnamed.at_once import stands_anew
 from ...identification.fit import Fit, refit
 from ...identification.heldout import heldout
 from ...robot.kinematics import Array
@@ -95,8 +95,8 @@ class Selection:
     def step(self) -> Step | None:
         """A step in time that is as sure as what has a name; None where there is none."""
         for member, share in zip(self.members, self.shares, strict=True):
-            effect = self.components[member.component].effect
-            if isinstance(effect, AtOnce) and share[member.component] >= PRIORS.named:
+            effect = stands_anew(self.components[member.component].effect)
+            if effect is not None and share[member.component] >= PRIORS.named:
                 return Step(effect.kind, int(effect.first), 1e-3 * self.worth_mm(member))
         return None
 

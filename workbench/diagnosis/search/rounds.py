@@ -26,7 +26,7 @@ from ..weighing.components import (
     cause_components,
     line_component,
     nameless_components,
-    step_component,
+    step_components,
 )
 from ..weighing.reduced import Index, reduce
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder, remainder
@@ -219,7 +219,7 @@ def _competition(
     components = [
         *cause_components(at, candidates),
         *(_line(at, line) for line in lines),
-        *(step_component(at, step, share / len(steps)) for step, share in steps),
+        *step_components(at, steps),
         *worth_offering(at, nameless_components(at, functions), noise_dof),
     ]
     return Competition(reduce(at, components, noise_dof), components, needs_of(at, components))

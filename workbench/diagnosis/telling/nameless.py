@@ -151,7 +151,14 @@ def _plain(structure: str, sentence: str, where: Where, worth_mm: float) -> Find
 
 
 def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) -> Finding:
-    structure = f"depends on {function.variable}"
+    effects, values = final.model.effects, final.state.values
+    same = (
+        v
+        for e, v in zip(effects, values, strict=True)
+        if (e.key, e.variant) == (function.key, function.variant)
+    )
+    value = next(same, None)
+    structure = f"depends on {function.variable if value is None else function.found(value)}"
     return Finding(
         cause=UNKNOWN,
         title=Unnamed.title,

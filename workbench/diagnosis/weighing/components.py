@@ -204,9 +204,14 @@ def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:
     return Component((effect.cause, effect.where), forms, float(np.log(odds)))
 
 
-def step_component(fit: Fit, step: Effect, share: float) -> Component:
-    """A step at the place where it explains most; share: of all places and kinds of steps."""
-    return Component(step.key, (form_of(fit, (step,)),), float(np.log(PRIORS.free * share)))
+def step_components(fit: Fit, steps: Sequence[tuple[Effect, float]]) -> list[Component]:
+    """Steps at the places where each explains most, with the share of all places that these are; those of one
+    kind share its probability."""
+    counts = Counter(type(step) for step, _ in steps)
+    return [
+        Component(step.key, (form_of(fit, (step,)),), float(np.log(PRIORS.free * share / counts[type(step)])))
+        for step, share in steps
+    ]
 
 
 def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from ...campaign.problem import Problem
 from .anew import CarriedAnew, GeometryAnew, ScaleAnew, ZeroAnew
-from .at_once import AtOnce
+from .at_once import AtOnce, Stepping, ZeroAtOnce
 from .base import Unnamed
 from .campaign import Along, Attitude, Clock, PerPayload, Warmth, ZeroInTime, Zeros
 from .carriage import UnevenCarriage
@@ -25,7 +25,7 @@ from .past import Past
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Foot, Side, Past, Clock, Along, ZeroInTime, Zeros, Warmth,
     PerPayload, Attitude, Bearing, Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, ScaleAnew,
-    GeometryAnew, Product, AtOnce,
+    GeometryAnew, Product, AtOnce, ZeroAtOnce,
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (
@@ -38,7 +38,7 @@ def unnamed(problem: Problem) -> Iterator[Unnamed]:
     """Every function without a name that a campaign allows, but those that a search proposes: see `products`
     and `steps`."""
     for kind in KINDS:
-        if kind not in (Product, AtOnce):
+        if kind not in (Product, AtOnce, ZeroAtOnce):
             yield from kind.sites(problem)  # type: ignore[misc]
 
 
@@ -54,6 +54,7 @@ def products(problem: Problem, joint: int) -> Iterator[Unnamed]:
     yield from (one for one in Product.sites(problem) if one.where.joint == name)
 
 
-def steps(problem: Problem) -> Sequence[AtOnce]:
-    """A step of the base or the instrument, and one of the tool; where, is for a search to say."""
-    return AtOnce.sites(problem)
+def steps(problem: Problem) -> Sequence[Stepping]:
+    """A step of the base or the instrument, one of the tool, and of each joint's zero; where, is for a search
+    to say."""
+    return [*AtOnce.sites(problem), *ZeroAtOnce.sites(problem)]

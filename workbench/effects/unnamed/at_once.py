@@ -1,36 +1,60 @@
-"""A step: from one pose on base, instrument or tool stand otherwise."""
+"""A step: from one pose on base, instrument, tool or a joint's zero stand otherwise."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
-from ..base import Depends
+from ..base import Depends, Effect, motion_said
 from ..kinds import DirectEffect
+from ..place import Where
 from ..recorded import DataFault
-from .base import Unnamed, each
+from .base import Unnamed, each, moving
 from .campaign import flange_of
 
 
 @dataclass(frozen=True)
-class AtOnce(Unnamed, DirectEffect):
-    """Base (or instrument) or tool stands otherwise from pose number `first` on: it slipped, or was moved.
-    A search says where; pose: its name in the campaign."""
+class Stepping(Unnamed, DirectEffect):
+    """Some motions are others from pose number `first` on. A search says where; pose: its name in the
+    campaign."""
 
-    variant: str = "base at once"
     size: float = 3e-5
     first: float = 0.0
     pose: str = ""
 
     depends: ClassVar[Depends] = frozenset({"time"})
     settings: ClassVar[tuple[str, ...]] = ("size", "first")
-    functions: ClassVar[int] = 6
     unit: ClassVar[str] = "1"
+
+    def x(self, problem: Problem) -> Array:
+        return np.arange(len(problem.q), dtype=float)
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        return each(self.columns(problem), (self.x(problem) >= self.first)[:, None].astype(float))
+
+    @abstractmethod
+    def columns(self, problem: Problem) -> Sequence[int]:
+        """The motions that step."""
+
+    @classmethod
+    @abstractmethod
+    def sites(cls, problem: Problem) -> Sequence[Self]:
+        """Each after the first half of the poses: where it is a search shows."""
+
+
+@dataclass(frozen=True)
+class AtOnce(Stepping):
+    """Base (or instrument) or tool slipped, or was moved."""
+
+    variant: str = "base at once"
+
+    functions: ClassVar[int] = 6
 
     @property
     def of_tool(self) -> bool:
@@ -53,15 +77,51 @@ class AtOnce(Unnamed, DirectEffect):
     def like(self) -> str:
         return f"{self.label} in the course of the campaign"
 
-    def x(self, problem: Problem) -> Array:
-        return np.arange(len(problem.q), dtype=float)
-
-    def motion(self, problem: Problem) -> Mapping[int, Array]:
-        columns = flange_of(problem) if self.of_tool else range(6)
-        return each(columns, (self.x(problem) >= self.first)[:, None].astype(float))
+    def columns(self, problem: Problem) -> Sequence[int]:
+        return flange_of(problem) if self.of_tool else range(6)
 
     @classmethod
-    def sites(cls, problem: Problem) -> Sequence[AtOnce]:
-        """One of each, after the first half of the poses: where it is a search shows."""
+    def sites(cls, problem: Problem) -> Sequence[Self]:
         middle = float(len(problem.q) // 2)
         return [cls(variant=f"{which} at once", first=middle) for which in ("base", "tool")]
+
+
+@dataclass(frozen=True)
+class ZeroAtOnce(Stepping):
+    """The zero of one joint is another: a coupling, a belt or an encoder slipped, or it was set anew."""
+
+    variant: str = "zero at once"
+    size: float = 5e-5
+
+    functions: ClassVar[int] = 1
+
+    @property
+    def label(self) -> str:
+        return f"a step of the zero of {self.where.joint}"
+
+    @property
+    def variable(self) -> str:
+        return self._said("steps")
+
+    def found(self, values: Array) -> str:
+        return self._said(f"steps by {motion_said(abs(float(values[0])))}")
+
+    def _said(self, steps: str) -> str:
+        return f"the order of measurement (the zero of {self.where.joint} {steps} before pose {self.pose})"
+
+    @property
+    def like(self) -> str:
+        return f"{self.label} before pose {self.pose}, as where a coupling or an encoder slips"
+
+    def columns(self, problem: Problem) -> Sequence[int]:
+        return [int(problem.arm.axial[problem.joint(self.where.joint)])]
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Self]:
+        middle = float(len(problem.q) // 2)
+        return [cls(Where(joint=problem.arm.names[j]), first=middle) for j in moving(problem)]
+
+
+def stands_anew(effect: Effect | None) -> AtOnce | None:
+    """An effect, where it is a step of what stands around the arm; else None."""
+    return effect if isinstance(effect, AtOnce) else None

@@ -41,6 +41,10 @@ class Unnamed(Effect):
     def variable(self) -> str:
         """What it is a function of, for people."""
 
+    def found(self, values: Array) -> str:
+        """The same, with what was found of it."""
+        return self.variable
+
     @property
     def like(self) -> str:
         """What it looks like, for people; nothing where that is not known."""

@@ -1,0 +1,40 @@
+"""A joint's zero that steps in the course of a campaign: told with its pose and its size, beside causes."""
+
+import re
+
+import numpy as np
+import pytest
+from diagnosis_cases import measured
+
+from workbench.diagnosis.run import diagnose
+
+FIRST, STEP = 33, 4e-4
+POSES = 60
+
+
+def stepped(problem):
+    """The zero of the elbow from one pose on."""
+    off = np.zeros_like(problem.q)
+    off[FIRST:, 2] = STEP
+    return off
+
+
+@pytest.mark.parametrize(
+    "effects", [(), ("gear_eccentricity:joint=wrist_1_joint,variant=1,amplitude=4e-4,phase=1",)]
+)
+def test_a_zero_that_steps_is_told_with_its_pose_and_size(effects):
+    campaign = measured("ur5", effects, poses=POSES, loads=(), targets=3, joints=stepped)
+    found = diagnose(campaign).diagnosis
+    pose = campaign.poses.ids[FIRST]
+    (what,) = [cause for cause in found.causes if cause.cause == "unknown"]
+    assert "the zero of elbow_joint steps by" in what.structure
+    assert f"before pose {pose})" in what.structure
+    size = float(re.search(r"steps by (\d+(?:\.\d+)?) µrad", what.structure)[1])
+    assert size == pytest.approx(1e6 * STEP, rel=0.1)
+    assert f"a step of the zero of elbow_joint before pose {pose}" in found.headline
+    assert [c.cause for c in found.causes if c.status == "named"] == ["gear_eccentricity"] * len(effects)
+
+
+def test_a_sound_robot_has_no_such_step():
+    found = diagnose(measured("ur5", (), poses=POSES, loads=(), targets=3)).diagnosis
+    assert found.verdict == "nothing_missing"
