@@ -68,9 +68,8 @@ def assemble(parts: Parts) -> Diagnosis:
     nameless = _nameless(parts, errors, more if repeats_to is None else None)
     verdict = verdict_of(named, nameless, errors)
     findings = _beside_what_is_found([*named, *nameless])
-    line = headline(
-        verdict, findings, errors, parts.given, repeats_to, shows_in(prepared, left, errors.noise)
-    )
+    moved, in_what = steps(prepared.faults), shows_in(prepared, left, errors.noise)
+    line = headline(verdict, findings, errors, parts.given, repeats_to, in_what, bool(moved))
     return Diagnosis(
         robot=problem.robot.name,
         robot_title=problem.robot.title,
@@ -80,7 +79,7 @@ def assemble(parts: Parts) -> Diagnosis:
         noise=prepared.noise,
         stages=tuple(stages),
         verdict=verdict,
-        headline=line + steps(prepared.faults),
+        headline=line + moved,
         causes=tuple(findings),
         ceiling_mm=errors.ceiling,
         remainder_chi2=left.chi2,

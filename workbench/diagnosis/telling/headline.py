@@ -15,7 +15,9 @@ from ..weighing.remainder import GLOBAL_LEVEL, Remainder
 MOST_SAID = 3  # causes that a headline says
 MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
 # faults that a headline says
-STEPS = ("moved_instrument", "changed_setup", "moved_zero", "changed_load", "changed_scale")
+STEPS = (
+    "moved_instrument", "changed_setup", "moved_zero", "changed_load", "changed_scale", "loose_target",
+)  # fmt: skip
 MORE = 1.1  # times the held-out error: what a model without what does not last has to leave to be told
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
@@ -69,9 +71,10 @@ def headline(
     given: Sequence[GivenFact] = (),
     repeatability_mm: float | None = None,
     in_what: str = "",
+    besides: bool = False,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. repeatability_mm: of the robot,
-    where that is all that is left; in_what: as `shows_in` says it."""
+    where that is all that is left; in_what: as `shows_in` says it; besides: `steps` says something too."""
     said = _found(findings, given)
     nothing = verdict == "nothing_missing"
     after = (errors.base if nothing else errors.stages[-1]).heldout_rms_mm
@@ -81,7 +84,9 @@ def headline(
         times = f"{after / errors.noise:.1f} times the noise of {errors.noise:.3f} mm"
         return f"Too few poses to say: at others the fitted robot is off by {times}. {gain}."
     if nothing:
-        missing = f"{said}; beyond that nothing is missing" if said else "Nothing is missing"
+        missing = (
+            f"{said}; beyond that nothing is missing" if said else f"Nothing {'else ' * besides}is missing"
+        )
         return f"{missing}{in_what}{_explained(errors, repeatability_mm)}. {gain}."
     if few and errors.base.heldout_rms_mm > errors.stages[0].heldout_rms_mm:
         said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"
