@@ -456,6 +456,18 @@ def test_a_headline_begins_with_what_is_most_of_it(brought, first):
     assert f"the causes bring {brought:.3f} of the 0.060 mm" in said
 
 
+def test_a_headline_says_which_named_cause_the_rest_may_be():
+    stages = [
+        Stage(name, 0, rms, rms, rms, rms)
+        for name, rms in (("nominal", 0.7), ("geometry", 0.11), ("all", 0.05))
+    ]
+    place = Where(joint="joint_2")
+    rivals = (Rival("lost_motion", place, 0.1), Rival("backlash", place, 0.3))
+    left = Finding("unknown", "", place, "ambiguous", 0.06, 0.6, rivals=rivals)
+    said = headline("unknown", [left], Errors(stages, stages[1], 0.11, 0.05, 0.01, 0.05))
+    assert said.startswith("Something is left that may be backlash in joint_2, or has no name. Held-out")
+
+
 def test_a_headline_says_a_cause_once_with_all_its_places():
     stages = [
         Stage(name, 0, rms, rms, rms, rms)

@@ -28,7 +28,7 @@ from ..weighing.remainder import Remainder, beyond_forms, remainder, repeatabili
 from .ceiling import ceiling_mm
 from .evidence import evidence
 from .facts import facts, geometry, of_campaigns, unidentifiable
-from .headline import Errors, headline, remarks, shows_in, steps, verdict_of
+from .headline import Errors, headline, listed, remarks, shows_in, steps, verdict_of
 from .in_the_model import InModel, beside_the_model, has
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
@@ -248,8 +248,8 @@ def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Findi
     advice = list(
         filter(None, (separation_beside(effect.key, (r.cause, r.where), read, problem) for r in rivals))
     )
-    if any(rival.cause == UNKNOWN for rival in rivals):
-        advice.append("something without a name fits as well: see the unknown structure")
+    if found.nameless:
+        advice.append(f"{listed(found.nameless)} fits as well, which has no name")
     parameters, told = _describe(final, own, sure)
     mains = [i for i in own if final.model.effects[i].key == effect.key]
     strongest = mains[0] if effect.ordered else max(mains, key=final.wald)
@@ -286,12 +286,13 @@ def _form(final: Fit, own: Sequence[int], strongest: int) -> str:
 @dataclass(frozen=True)
 class Standing:
     """A cause at its place among all that compete. rivals: those that cover the rest, likeliest first, and
-    those that only their prior odds keep from it; faint: the likeliest of the others, without which it would
-    be named were there no rivals; by_data: its probability where no other cause is less likely before the
-    data than it: what the data alone say."""
+    those that only their prior odds keep from it; nameless: what those without a name are, in words; faint:
+    the likeliest of the others, without which it would be named were there no rivals; by_data: its
+    probability where no other cause is less likely before the data than it: what the data alone say."""
 
     probability: float
     rivals: tuple[Rival, ...]
+    nameless: tuple[str, ...]
     faint: tuple[Rival, ...]
     by_data: float
 
@@ -308,7 +309,7 @@ def standing(selection: Selection, effect: Effect) -> Standing:
     probability, share, index = best
     raised = {k: p * _handicap(selection.components, index, k) for k, p in share.items()}
     total = sum(raised.values())
-    covered, rivals, faint = probability, list[Rival](), list[Rival]()
+    covered, rivals, faint, nameless = probability, list[Rival](), list[Rival](), dict[str, None]()
     others = sorted(((p, k) for k, p in share.items() if k is not None and k != index), reverse=True)
     for p, k in others:
         rival = Rival(*selection.components[k].key, p)
@@ -316,8 +317,12 @@ def standing(selection: Selection, effect: Effect) -> Standing:
         worth_a_word = close or (covered < PRIORS.listed and p >= PRIORS.faintest_rival)
         if (rival.cause, rival.where) != effect.key:
             (rivals if worth_a_word else faint).append(rival)
+            other = selection.components[k].effect
+            if worth_a_word and rival.cause == UNKNOWN and other is not None:
+                nameless[other.label] = None
         covered += p if worth_a_word else 0.0
-    return Standing(probability, tuple(rivals), _not_yet_named(probability, faint), raised[index] / total)
+    late = _not_yet_named(probability, faint)
+    return Standing(probability, tuple(rivals), tuple(nameless), late, raised[index] / total)
 
 
 def _not_yet_named(probability: float, faint: Sequence[Rival]) -> tuple[Rival, ...]:

@@ -141,8 +141,10 @@ def _explained(errors: Errors, repeatability_mm: float | None) -> str:
 
 def _left(findings: Sequence[Finding]) -> str:
     """What is left that has no name."""
-    if any(f.cause == UNKNOWN and f.rivals for f in findings):
-        return "Something is left whose cause is not decided"
+    rivals = [rival for f in findings if f.cause == UNKNOWN for rival in f.rivals]
+    if rivals:
+        likeliest = max(rivals, key=lambda rival: rival.probability)
+        return f"Something is left that may be {words_of(likeliest.cause, likeliest.where)}, or has no name"
     if any(f.of_campaigns for f in findings):
         return "The robot is not the same in all campaigns"
     like = next((f.like for f in findings if f.like), "")
