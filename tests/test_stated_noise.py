@@ -9,7 +9,7 @@ from workbench import Truth, diagnose, load_robot, parse_effect, planned, random
 from workbench.campaign import load_campaign, write_campaign
 from workbench.campaign.planned import TARGETS
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.noise.distances import loose_target, shown_by_distances
+from workbench.diagnosis.noise.distances import shown_by_distances
 from workbench.diagnosis.prepared import prepare
 from workbench.identification.noise import stated_noise
 
@@ -156,36 +156,3 @@ def test_of_two_campaigns_the_one_that_states_too_little_is_told_and_mended(tmp_
     here = prepared.problem.campaign.poses.setup == 0
     assert prepared.covariance.sigma[here] == pytest.approx(SIGMA)
     assert prepared.covariance.sigma[~here] == pytest.approx(SIGMA, rel=0.15)
-
-
-def in_a_worn_nest(campaign, times=4.0):
-    """The second target is seated elsewhere each time."""
-    points = campaign.points.copy()
-    points[:, 1] += times * SIGMA * np.random.default_rng(7).normal(size=points[:, 1].shape)
-    return replace(campaign, points=points)
-
-
-def test_a_target_in_a_worn_nest_is_told_and_the_others_count_as_stated():
-    found = diagnose(in_a_worn_nest(measured(SIGMA, poses=80))).diagnosis
-    (fault,) = found.faults
-    assert (fault.kind, fault.target) == ("loose_target", "T2")
-    assert float(fault.what.split(" by ")[1].split()[0]) == pytest.approx(1e3 * SIGMA * np.sqrt(17), rel=0.2)
-    assert found.noise.source == "stated"
-    assert found.noise.sigma_mm == pytest.approx(1e3 * SIGMA)
-    assert found.verdict == "nothing_missing"
-    assert found.headline.startswith("Nothing else is missing: ")
-    assert fault.what in found.headline
-
-
-@pytest.mark.parametrize("times", [1.0, 1.3, 2.0, 5.0])
-def test_no_target_is_told_where_all_scatter_alike(times):
-    for seed in range(8):
-        problem = problem_of(measured(SIGMA / times, seed=seed, poses=60))
-        assert loose_target(problem, stated_noise(problem)) is None
-
-
-def test_of_two_targets_nobody_knows_which_is_loose():
-    problem = problem_of(in_a_worn_nest(measured(SIGMA, poses=80, targets=2)))
-    said = stated_noise(problem)
-    assert shown_by_distances(problem, said).more
-    assert loose_target(problem, said) is None

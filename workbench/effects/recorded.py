@@ -9,9 +9,9 @@ from typing import Literal
 from ..campaign import Campaign
 
 DataFault = Literal[  # what a diagnosis finds wrong with the data themselves
-    "changed_load", "changed_scale", "changed_setup", "copied_pose", "frozen_target", "loose_target",
-    "moved_instrument", "moved_zero", "outlier", "rare_setup", "rare_target", "rounded_joints",
-    "shifted_pose", "swapped_target", "wrong_payload", "wrong_wrench",
+    "changed_load", "changed_scale", "changed_setup", "copied_pose", "frozen_target", "moved_instrument",
+    "moved_zero", "outlier", "rare_setup", "rare_target", "rounded_joints", "shifted_pose", "swapped_target",
+    "wrong_payload", "wrong_wrench",
 ]  # fmt: skip
 
 

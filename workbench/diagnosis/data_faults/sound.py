@@ -20,7 +20,6 @@ from ...identification.plausible import believed, check_rest, too_few_alone
 from ...robot.kinematics import Array
 from ..noise.noise_choice import choose, from_residual, of_distances, without_wild_repeats
 from ..result import FaultFound, Noise
-from .loose_target import loose_targets
 from .mistaken_loads import mistaken_loads
 from .moved_setup import LEAST_BEFORE, jump, split_campaign, split_setup, step_in_time
 from .moved_target import reseated
@@ -89,7 +88,6 @@ def without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> S
         start = start_state(problem)
     if faults or usual is not problem:
         covariance, noise, notes = noise_at(problem, known_effects, start)
-    faults = (*faults, *loose_targets(problem, covariance))
     said = [*of_rows, *many, *said, *enough(problem)]
     return Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
 

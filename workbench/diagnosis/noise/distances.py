@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -18,8 +18,6 @@ from ...robot.kinematics import Array
 FEWEST = 8  # poses that see the same targets, from which their usual distances are known
 SURE = 3.72  # standard deviations: one chance in ten thousand
 SHOWN = 0.03  # of the best shown: a combination of distances that noise moves less, as of targets in a plane
-LOOSE = 2.0  # times the stated noise, from which a target is told
-STEADY, STRIDE = 20, 1.5  # steps to a target's noise, each for the others' part of what distances show
 WILD = 1e-3  # chance from which a pose's distances are no noise
 CAUCHY = 3.5  # usual distances off: 95 % as good as least squares where there is noise alone
 ROUNDS = 5  # of a fit that wild distances do not pull at
@@ -55,43 +53,6 @@ def shown_by_distances(problem: Problem, said: Covariance, farthest: bool = Fals
         kept = chi2[chi2 < usual * chdtri(rank, WILD)]
         total, dof = total + float(kept.sum()), dof + rank * (len(kept) - 1)
     return Shown(float(np.sqrt(total / dof)), above, dof)
-
-
-def loose_target(problem: Problem, said: Covariance) -> tuple[int, float] | None:
-    """The target whose distances from the others of its body surely scatter more than those among the others,
-    which do so as stated; and how many times the stated noise its own is. None where there is no such one, or
-    less than `LOOSE` times. Of two targets nobody knows which it is."""
-    shown = shown_by_distances(problem, said)
-    if shown is None or not shown.more:
-        return None
-    on, times = np.array(problem.on), 1.0
-    for target in range(len(on)):
-        others = [t for t in np.flatnonzero(on == on[target]).tolist() if t != target]
-        rest = _without(problem, said, target)
-        with_it = [_without(problem, said, t) for t in others]
-        if len(others) > 1 and rest is not None and not rest.more and all(_surely(w, rest) for w in with_it):
-            break
-    else:
-        return None
-    for _ in range(STEADY):  # a larger one leaves fewer distances that count as wild
-        more = np.where(np.arange(len(on)) == target, times, 1.0)
-        shown = shown_by_distances(problem, replace(said, sigma=more * said.sigma))
-        times *= 1.0 if shown is None else shown.times**STRIDE
-    return (target, times) if times > LOOSE else None
-
-
-def _without(problem: Problem, said: Covariance, target: int) -> Shown | None:
-    """What the distances between the other targets say."""
-    points = problem.campaign.points.copy()
-    points[:, target] = np.nan
-    return shown_by_distances(replace(problem, campaign=replace(problem.campaign, points=points)), said)
-
-
-def _surely(one: Shown | None, other: Shown) -> bool:
-    """Whether distances surely scatter more than others: two variances by their degrees of freedom."""
-    if one is None or min(one.dof, other.dof) <= 0:
-        return False
-    return bool(np.log(one.times / other.times) > SURE * np.sqrt(0.5 / one.dof + 0.5 / other.dof))
 
 
 def _tests(problem: Problem, said: Covariance, bodies: list[int]) -> Iterator[tuple[Array, int]]:

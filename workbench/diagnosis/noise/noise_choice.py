@@ -26,7 +26,7 @@ from ...identification.repeats import repeat_groups, within
 from ...robot.kinematics import Array
 from ..priors import PRIORS
 from ..result import Noise
-from .distances import Shown, loose_target, shown_by_distances
+from .distances import Shown, shown_by_distances
 from .likeliest import with_more
 from .six_dof import of_poses, of_repeats
 
@@ -63,11 +63,6 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
         )
         return found, _figures(found, "repeats", axial, measured), notes
     if said is not None:
-        loose = None if problem.campaign.beside else loose_target(problem, said)
-        if loose is not None:
-            sigma = said.sigma.copy()
-            sigma[:, loose[0]] *= loose[1]
-            return replace(said, sigma=sigma), _figures(said, "stated", axial, measured), notes
         found, more = _at_least_of_distances(problem, said)
         if more:
             return found, _figures(found, "repeats", axial, None), [*notes, *more]

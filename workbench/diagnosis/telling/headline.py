@@ -15,9 +15,7 @@ from ..weighing.remainder import GLOBAL_LEVEL, Remainder
 MOST_SAID = 3  # causes that a headline says
 MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
 # faults that a headline says
-STEPS = (
-    "moved_instrument", "changed_setup", "moved_zero", "changed_load", "changed_scale", "loose_target",
-)  # fmt: skip
+STEPS = ("moved_instrument", "changed_setup", "moved_zero", "changed_load", "changed_scale")
 MORE = 1.1  # times the held-out error: what a model without what does not last has to leave to be told
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
