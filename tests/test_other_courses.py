@@ -1,5 +1,6 @@
 """What a robot does by another course than any cause has: told as what it is like, by no wrong name."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -87,6 +88,16 @@ def test_what_moves_at_once_is_no_drift(column, kind, time):
     )
     diagnosis = found(moved)
     assert [(fault.kind, fault.pose_id) for fault in diagnosis.faults] == [(kind, "53")]
+    assert not diagnosis.causes
+
+
+def test_what_moves_at_once_in_one_of_several_set_ups_is_told():
+    """Another part of that set-up begins there; the other set-up stays as it is."""
+    gone = 9e-5 * (np.arange(POSES) >= 66)
+    moved = measured("ur10", loads=(), poses=POSES, time=TIME, motion=lambda p: {6 * p.arm.slots - 6: gone})
+    stations = replace(moved.with_poses(setup=np.repeat([0, 1], [40, 50])), setup_names=("door", "window"))
+    diagnosis = found(stations)
+    assert [(fault.kind, fault.pose_id) for fault in diagnosis.faults] == [("changed_setup", "67")]
     assert not diagnosis.causes
 
 

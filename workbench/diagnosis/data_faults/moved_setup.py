@@ -83,15 +83,20 @@ def step_in_time(result: Fit) -> Step | None:
 
 def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
     """A step of each kind where it explains most, and how far the data tell this place from the others: the
-    share of all places that are about as likely. None in campaigns in which none is sought."""
-    c, possible = result.model.problem.campaign, places(result.model.problem.positions)
-    if len(c.setup_names) > 1 or not possible or in_motion(c.poses.q, c.poses.time):
+    share of all places that are about as likely. None among rows that were measured in motion."""
+    problem = result.model.problem
+    c, positions = problem.campaign, problem.positions
+    if in_motion(c.poses.q, c.poses.time):
         return
-    for step in steps(result.model.problem):
-        base = result.whitened(replace(step, first=0.0))
-        gains = _gains(*_prefix(result, base, np.arange(len(base))))[possible]
+    each = [np.flatnonzero(c.poses.setup == k) for k in np.unique(c.poses.setup)]
+    possible = [places(positions[own]) for own in each]
+    where = np.array([own[i] for own, some in zip(each, possible, strict=True) for i in some], dtype=int)
+    for step in steps(problem) if len(where) else ():
+        base = np.matmul(result.whitener, result.line.direct[:, :, step.columns(problem)])
+        parts = zip(each, possible, strict=True)
+        gains = np.concatenate([_gains(*_prefix(result, base, own))[some] for own, some in parts])
         best = int(gains.argmax())
-        there = replace(step, first=float(possible[best]), pose=c.poses.ids[possible[best]])
+        there = replace(step, first=float(where[best]), pose=c.poses.ids[where[best]])
         yield there, float(np.exp(0.5 * (gains - gains[best])).mean())
 
 
@@ -333,8 +338,9 @@ def _before(each: Array) -> Array:
 
 
 def split_setup(problem: Problem, first: int) -> Problem:
-    """The problem with the poses from `first` on in a set-up of their own."""
-    return replace(problem, campaign=split_campaign(problem.campaign, first))
+    """The problem with the poses from `first` on, of its set-up, in one of their own."""
+    c = problem.campaign
+    return replace(problem, campaign=split_campaign(c, first, int(c.poses.setup[first])))
 
 
 def split_campaign(c: Campaign, first: int, k: int = 0) -> Campaign:

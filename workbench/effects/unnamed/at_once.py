@@ -19,8 +19,8 @@ from .campaign import flange_of
 
 @dataclass(frozen=True)
 class AtOnce(Unnamed, DirectEffect):
-    """Base (or instrument) or tool stands otherwise from pose number `first` on: it slipped, or was moved.
-    A search says where; pose: its name in the campaign."""
+    """Base (or instrument) or tool stands otherwise from pose number `first` on, to the end of a set-up: it
+    slipped, or was moved. A search says where; pose: its name in the campaign."""
 
     variant: str = "base at once"
     size: float = 3e-5
@@ -56,9 +56,14 @@ class AtOnce(Unnamed, DirectEffect):
     def x(self, problem: Problem) -> Array:
         return np.arange(len(problem.q), dtype=float)
 
+    def columns(self, problem: Problem) -> range:
+        """Of what moves."""
+        return flange_of(problem) if self.of_tool else range(6)
+
     def motion(self, problem: Problem) -> Mapping[int, Array]:
-        columns = flange_of(problem) if self.of_tool else range(6)
-        return each(columns, (self.x(problem) >= self.first)[:, None].astype(float))
+        setup = problem.campaign.poses.setup
+        after = (self.x(problem) >= self.first) & (setup == setup[int(self.first)])
+        return each(self.columns(problem), after[:, None].astype(float))
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[AtOnce]:
