@@ -101,6 +101,19 @@ def test_what_moves_at_once_in_one_of_several_set_ups_is_told():
     assert not diagnosis.causes
 
 
+@pytest.mark.parametrize(("column", "says"), [(0, "base (or an instrument)"), (-6, "tool")])
+def test_what_warms_up_while_nobody_looks_at_the_clock_is_no_step(column, says):
+    """Most of it is over after some poses of the first ones."""
+    gone = 2.5e-4 * (1 - np.exp(-np.arange(POSES) / 6.0))
+    moved = measured("ur10", loads=(), poses=POSES, motion=lambda p: {column % (6 * p.arm.slots): gone})
+    diagnosis = found(moved)
+    assert not {fault.kind for fault in diagnosis.faults} & {"moved_instrument", "changed_setup"}
+    assert unknown_of(diagnosis).startswith("depends on the order of measurement")
+    (unknown,) = diagnosis.causes
+    assert unknown.like == f"a {says} that moves in the course of the campaign"
+    assert unknown.separate_by == "record when each pose was measured (t_s)"
+
+
 def test_a_zero_that_goes_there_and_back_is_of_its_joint():
     def joints(problem):
         return np.outer(2e-4 * comes_back(TIME), np.arange(6) == 2)
