@@ -69,7 +69,7 @@ def test_targets_do_not_sit_elsewhere_by_what_a_model_lacks():
 def test_functions_of_order_are_no_sharper_than_positions_follow_each_other():
     def waves(positions, times):
         problem = problem_of(repeated("ur5", positions, times, 1, joints=None))
-        return {one.highest for one in unnamed(problem) if isinstance(one, Clock)}
+        return {one.highest for one in unnamed(problem) if type(one) is Clock}
 
     assert waves(80, 1) == {6}
     assert waves(24, 4) == {2}

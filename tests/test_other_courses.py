@@ -1,5 +1,6 @@
 """What a robot does by another course than any cause has: told as what it is like, by no wrong name."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -88,6 +89,29 @@ def test_what_moves_at_once_is_no_drift(column, kind, time):
     diagnosis = found(moved)
     assert [(fault.kind, fault.pose_id) for fault in diagnosis.faults] == [(kind, "53")]
     assert not diagnosis.causes
+
+
+def test_what_moves_at_once_in_one_of_several_set_ups_is_told():
+    """Another part of that set-up begins there; the other set-up stays as it is."""
+    gone = 9e-5 * (np.arange(POSES) >= 66)
+    moved = measured("ur10", loads=(), poses=POSES, time=TIME, motion=lambda p: {6 * p.arm.slots - 6: gone})
+    stations = replace(moved.with_poses(setup=np.repeat([0, 1], [40, 50])), setup_names=("door", "window"))
+    diagnosis = found(stations)
+    assert [(fault.kind, fault.pose_id) for fault in diagnosis.faults] == [("changed_setup", "67")]
+    assert not diagnosis.causes
+
+
+@pytest.mark.parametrize(("column", "says"), [(0, "base (or an instrument)"), (-6, "tool")])
+def test_what_warms_up_while_nobody_looks_at_the_clock_is_no_step(column, says):
+    """Most of it is over after some poses of the first ones."""
+    gone = 2.5e-4 * (1 - np.exp(-np.arange(POSES) / 6.0))
+    moved = measured("ur10", loads=(), poses=POSES, motion=lambda p: {column % (6 * p.arm.slots): gone})
+    diagnosis = found(moved)
+    assert not {fault.kind for fault in diagnosis.faults} & {"moved_instrument", "changed_setup"}
+    assert unknown_of(diagnosis).startswith("depends on the order of measurement")
+    (unknown,) = diagnosis.causes
+    assert unknown.like == f"a {says} that moves in the course of the campaign"
+    assert unknown.separate_by == "record when each pose was measured (t_s)"
 
 
 def test_a_zero_that_goes_there_and_back_is_of_its_joint():

@@ -73,8 +73,8 @@ def test_parts_are_searched_by_themselves(wheel):
     every = [component(RATIO), component(NAMELESS), component(MASS)]
     theirs = [component(MASS), component(RATIO), component(("link_mass", Where(link="link_2")))]
     said = iter([[{1: 0.9, 0: 0.1}], [{1: 1.0}], [], [{0: 0.7, 2: 0.1, 1: 0.2}]])
-    with searched_in_parts(wheel.problem, lambda poses: (theirs, next(said))) as told:
-        parts = told(every)
+    with searched_in_parts(wheel.problem, lambda poses: (theirs, next(said))) as found:
+        parts = found().told(every)
     assert [part.shares for part in parts] == [
         [{None: 0.0, 0: 0.9, 2: 0.1}], [{None: 0.0, 0: 1.0}], [], [{None: 0.1, 2: 0.7, 0: 0.2}]
     ]  # fmt: skip

@@ -90,42 +90,50 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
     progress("testing causes")
     found, not_testable = _searched(prepared, seed, progress)
     for _ in range(CLEANED_AGAIN):
-        mended = _mended(prepared, found)
+        mended, since = _mended(prepared, found)
         if mended is None:
             break
-        progress("testing causes without the data faults that they hid")
         prepared = mended
-        found, not_testable = _searched(prepared, seed, progress)
+        progress("testing causes without the data faults that they hid")
+        found, not_testable = _searched(prepared, seed, progress, since)
     progress("writing down what was found")
     missing = (*not_testable, *found.not_testable)
     parts = Parts(found.prepared, found.selection, found.candidates, missing, seed, test, found.said)
     return Outcome(assemble(parts), found.prepared.problem, found.selection.fit, found.prepared)
 
 
-def _mended(prepared: Prepared, found: Searched) -> Prepared | None:
+def _mended(prepared: Prepared, found: Searched) -> tuple[Prepared | None, Selection | None]:
     """Without data faults that show beside what was found alone, None where there is none: wild points,
-    zeros, loads and scales that are others in some campaigns, or else a step in time."""
-    wild = wild_beside(found.selection.fit, prepared.least)
+    zeros, loads and scales that are others in some campaigns, or else a step in time. And what was found,
+    where the search may go on from that."""
+    selection = found.selection
+    wild = wild_beside(selection.fit, prepared.least)
     if wild.faults:
-        return prepared.mended(wild)
-    if not found.selection.nameless and found.selection.fit.lasting is found.selection.fit:
-        return None
-    problem, moved = changed_between(found.selection)
+        return prepared.mended(wild), None
+    if not selection.nameless and selection.fit.lasting is selection.fit:
+        return None, None
+    problem, moved = changed_between(selection)
     if moved:
-        return prepared.counted(problem, moved)
-    step = found.selection.step
-    return None if step is None else prepared.split(step)
+        return prepared.counted(problem, moved), None
+    if selection.step is None:
+        return None, None
+    return prepared.split(selection.step), selection
 
 
-def _searched(prepared: Prepared, seed: int, progress: Progress) -> tuple[Searched, tuple[NotTestable, ...]]:
-    """The search for all that these data can show, and what they cannot."""
+def _searched(
+    prepared: Prepared, seed: int, progress: Progress, since: Selection | None = None
+) -> tuple[Searched, tuple[NotTestable, ...]]:
+    """The search for all that these data can show, and what they cannot; since: what was found already."""
     candidates, missing = testable(prepared.problem)
-    return search_with_given(prepared, candidates, partial(_search, seed=seed), progress), tuple(missing)
+    search = partial(_search, seed=seed, since=since)
+    return search_with_given(prepared, candidates, search, progress), tuple(missing)
 
 
-def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tuple[Prepared, Selection]:
+def _search(
+    prepared: Prepared, candidates: Sequence[Effect], seed: int, since: Selection | None
+) -> tuple[Prepared, Selection]:
     """The causes that explain the data, and the noise that they leave where there was none."""
-    selection = compete(prepared, candidates)
+    selection = compete(prepared, candidates, since)
     for _ in range(NOISES):
         fit = selection.fit
         finer = prepared.with_turns_of(fit) or prepared.with_distances(fit) or prepared.with_silent(fit)

@@ -8,6 +8,7 @@ from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 
 SHARES = (0.15, 0.4, 1.0)  # time constants that are tried, as shares of the campaign's duration
+SOONEST = 0.05  # the same of what could be taken for a step
 HOUR = 3600.0  # s: duration where no time was recorded
 
 

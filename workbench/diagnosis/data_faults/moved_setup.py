@@ -16,9 +16,9 @@ from ...campaign.path_sides import sides_along
 from ...campaign.problem import Problem
 from ...effects import catalogue
 from ...effects.base import Effect
+from ...effects.coming_to_rest import SHARES, SOONEST, share_gone
 from ...effects.recorded import DataFault
 from ...effects.unnamed import steps, unnamed
-from ...effects.unnamed.at_once import stands_anew
 from ...identification.fit import Fit
 from ...identification.registration import (
     GOOD,
@@ -74,27 +74,35 @@ def step_in_time(result: Fit) -> Step | None:
     c = result.model.problem.campaign
     if len(c.setup_names) > 1 or len(c.poses.q) < 20 or in_motion(c.poses.q, c.poses.time):
         return None
-    flange = result.line.direct[:, :, -6:]
-    steps = [
-        _step(result, "moved_instrument", result.line.frame),
-        _step(result, "changed_setup", flange),
-    ]
-    return max((step for step in steps if step), key=lambda step: step.statistic, default=None)
+    motions: dict[DataFault, Array] = {
+        "moved_instrument": result.line.frame,
+        "changed_setup": result.line.direct[:, :, -6:],
+    }
+    found = [_step(result, kind, columns) for kind, columns in motions.items()]
+    step = max((one for one in found if one), key=lambda one: one.statistic, default=None)
+    if step is None or step.statistic < max(_creeping(result, columns) for columns in motions.values()):
+        return None
+    return step
 
 
 def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
     """A step of each kind where it explains most, and how far the data tell this place from the others: the
-    share of all places that are about as likely. None in campaigns in which none is sought; of several
-    set-ups those of the robot alone."""
-    c, possible = result.model.problem.campaign, places(result.model.problem.positions)
-    if c.beside or not possible or in_motion(c.poses.q, c.poses.time):
+    share of all places that are about as likely. None among rows that were measured in motion."""
+    problem = result.model.problem
+    c, positions = problem.campaign, problem.positions
+    if in_motion(c.poses.q, c.poses.time):
         return
-    several = len(c.setup_names) > 1
-    for step in (one for one in steps(result.model.problem) if not several or stands_anew(one) is None):
-        base = result.whitened(replace(step, first=0.0))
-        gains = _gains(*_prefix(result, base, np.arange(len(base))))[possible]
+    for step in steps(problem):
+        each = step.stretches(problem)
+        possible = [places(positions[own]) for own in each]
+        where = [int(own[i]) for own, some in zip(each, possible, strict=True) for i in some]
+        if not where:
+            continue
+        base = np.matmul(result.whitener, result.line.direct[:, :, step.columns(problem)])
+        parts = zip(each, possible, strict=True)
+        gains = np.concatenate([_gains(*_prefix(result, base, own))[some] for own, some in parts])
         best = int(gains.argmax())
-        there = replace(step, first=float(possible[best]), pose=c.poses.ids[possible[best]])
+        there = replace(step, first=float(where[best]), pose=c.poses.ids[where[best]])
         yield there, float(np.exp(0.5 * (gains - gains[best])).mean())
 
 
@@ -317,6 +325,16 @@ def _of_time(problem: Problem) -> list[Effect]:
     return [e for e in every if e.lasting and e.uses & {"time", "temperature"}]
 
 
+def _creeping(result: Fit, columns: Array) -> float:
+    """The most that motions columns: (N, R, 6) take off χ² where they creep to rest in the order of
+    measurement: what is fast at first looks like an early step."""
+    base, order, gains = np.matmul(result.whitener, columns), np.arange(len(columns), dtype=float), []
+    for share in (SOONEST, *SHARES):
+        S, u, own = reduce_columns(result, base * share_gone(order, share * len(base))[:, None, None])
+        gains.append(quadratic(S, u, own)[0])
+    return max(gains)
+
+
 def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> tuple[Array, Array, Array]:
     """S (N, m, m), u (N, m), own (N, m) of a step of m motions before each pose of an order, by running
     sums."""
@@ -337,8 +355,9 @@ def _before(each: Array) -> Array:
 
 
 def split_setup(problem: Problem, first: int) -> Problem:
-    """The problem with the poses from `first` on in a set-up of their own."""
-    return replace(problem, campaign=split_campaign(problem.campaign, first))
+    """The problem with the poses from `first` on, of its set-up, in one of their own."""
+    c = problem.campaign
+    return replace(problem, campaign=split_campaign(c, first, int(c.poses.setup[first])))
 
 
 def split_campaign(c: Campaign, first: int, k: int = 0) -> Campaign:

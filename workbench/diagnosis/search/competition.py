@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from ..weighing.components import Component, Key, bare, beside_forms
 from ..weighing.reduced import Index, Reduced, reduce
 from ..weighing.remainder import ordinary_mm, rp_mm
 from ..weighing.replication import (
+    InParts,
     Part,
     agreed,
     enough_for_halves,
@@ -34,8 +35,9 @@ from ..weighing.replication import (
     searched_in_parts,
     shown_by,
 )
+from ..weighing.scan import Line
 from ..weighing.stand_ins import SURELY
-from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted, scaled_of
+from .rounds import BETTER, CLEARER, LOOSE, Begun, Round, converged, effects_of, refitted, scaled_of, standing
 from .stages import Group, rms_mm
 
 SHOWS = 6.0  # χ²(2) of a gear's line: one of chance is as large once in twenty
@@ -52,7 +54,8 @@ class Selection:
     causes that parts of the data then find by themselves; gains_mm: what each cause brings on poses held out,
     once that was looked at; beside: effects of the fit that a cause has beside its form, and whose; against:
     causes without a name that would be springs of less than no compliance, too large to be true, or nothing
-    but what stands beside their form."""
+    but what stands beside their form; in_parts: what parts of the data found by themselves, where these were
+    searched."""
 
     fit: Fit
     components: tuple[Component, ...]
@@ -67,6 +70,7 @@ class Selection:
     gains_mm: Mapping[Key, float] = field(default_factory=dict)
     beside: Mapping[Effect, Key] = field(default_factory=dict)
     against: frozenset[Key] = frozenset()
+    in_parts: InParts | None = None
 
     def named(self, effect: Effect) -> bool:
         """Whether an effect of the fit stands for a member that has a name, and is not held by others."""
@@ -90,6 +94,19 @@ class Selection:
             if self.beside.get(effect) in found and not self.named(effect):
                 found[self.beside[effect]].append(i)
         return [(lead[key], own) for key, own in found.items()]
+
+    def without_step(self, near: Fit) -> Begun:
+        """What a search may begin with once steps are set-ups of their own. near: a fit of these."""
+        effects, names = self.fit.model.effects, near.model.problem.arm.names
+        kept = [e for e in effects if e not in self.beside and stands_anew(e) is None]
+        components = [self.components[member.component] for member in self.members]
+        labels = [one.label for one in components if stands_anew(one.effect) is None]
+        lines = [
+            Line(names.index(str(e.where.joint)), e.where.order, self.fit.wald(i))
+            for i, e in enumerate(effects)
+            if e in kept and e.where.order is not None
+        ]
+        return Begun(standing(replace(near, noise=self.fit.noise), kept), labels, lines)
 
     @property
     def step(self) -> Step | None:
@@ -124,8 +141,10 @@ def made_mm(fit: Fit, reduced: Reduced, members: Sequence[Member], i: int) -> fl
     return 1e3 * fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / reduced.dof))
 
 
-def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
-    """The likeliest set of causes, gear lines and free functions."""
+def compete(prepared: Prepared, candidates: Sequence[Effect], since: Selection | None = None) -> Selection:
+    """The likeliest set of causes, gear lines and free functions. since: what was found of the same poses
+    before a step in time parted them: the search goes on from there, and what parts of them found by
+    themselves stands."""
     geometry, source = prepared.geometry, prepared.noise.source
     problem = prepared.problem
     enough = enough_for_halves(problem)
@@ -134,21 +153,23 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
         own, _, found = _likeliest(prepared.some(poses), candidates)
         return own.competition.components, found
 
+    known = since.in_parts if since else None
     with ExitStack() as stack:
         in_parts = searched_in_parts(problem, of_part)
-        told = stack.enter_context(in_parts) if enough and source == "residual" else None
-        best, members, shares = _likeliest(prepared, candidates)
+        fresh = enough and known is None
+        told = stack.enter_context(in_parts) if fresh and source == "residual" else None
+        best, members, shares = _likeliest(prepared, candidates, since)
         components = best.competition.components
         nameless = [components[m.component].nameless for m in members]
         as_known = _as_known(best.found, geometry, best.competition.reduced.noise_dof)
         misfit = source == "residual" or not as_known or any(nameless)
-        parts = list[Part]()
-        if misfit and enough and not all(nameless):
-            parts = (told or stack.enter_context(in_parts))(components)
-    if not parts:
+        if misfit and fresh and not all(nameless):
+            known = (told or stack.enter_context(in_parts))()
+    if not misfit or known is None:
         return _selected(best, members, shares, candidates, geometry, misfit)
-    members, shares, certain = _as_parts_have_it(best, members, shares, parts)
-    return _selected(best, members, shares, candidates, geometry, misfit, certain)
+    members, shares, certain = _as_parts_have_it(best, members, shares, known.told(components))
+    selected = _selected(best, members, shares, candidates, geometry, misfit, certain)
+    return replace(selected, in_parts=known)
 
 
 def _as_parts_have_it(
@@ -265,11 +286,14 @@ def _no_excuse(best: Round, members: Sequence[Member], shares: Sequence[Shares])
     return out
 
 
-def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[Round, list[Member], list[Shares]]:
+def _likeliest(
+    prepared: Prepared, candidates: Sequence[Effect], since: Selection | None = None
+) -> tuple[Round, list[Member], list[Shares]]:
     """The likeliest set, strongest member first, without what is likelier not there."""
     geometry = prepared.geometry
     noise_dof = known_dof(prepared.noise, geometry.noise.dof)
-    best = converged(geometry, candidates, noise_dof, prepared.noise_known)
+    begin = since.without_step(geometry) if since else None
+    best = converged(geometry, candidates, noise_dof, prepared.noise_known, begin)
     members = list(best.members)
     shares = best.competition.shares(members)
     while members:

@@ -74,27 +74,43 @@ class Round:
         return set(self.found.model.effects) == set(other.found.model.effects)
 
 
-def converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, noise_known: bool) -> Round:
-    """The likeliest set (`_converged`). Under the scatter of a few poses of a joint no gear would show that
-    made it: where these scatter, causes alone are tried as well, and the likelier of both is it."""
+@dataclass(frozen=True, eq=False)
+class Begun:
+    """What a search goes on from: a fit, labels of the components of a set, gear lines."""
+
+    at: Fit
+    labels: Sequence[str] = ()
+    lines: Sequence[Line] = ()
+
+
+def converged(
+    geometry: Fit,
+    candidates: Sequence[Effect],
+    noise_dof: float,
+    noise_known: bool,
+    since: Begun | None = None,
+) -> Round:
+    """The likeliest set (`_converged`); since: what was found already. Under the scatter of a few poses of a
+    joint no gear would show that made it: where these scatter, causes alone are tried as well, and the
+    likelier of both is it."""
     begun = _begun(geometry, candidates, geometry.noise)
-    found = _converged(geometry, begun, candidates, noise_dof, noise_known)
+    found = _converged(geometry, since or Begun(begun), candidates, noise_dof, noise_known)
     few = not enough_for_halves(geometry.model.problem)
     if not few or not noise_known or not beyond_all(begun, geometry.noise).any():
         return found
-    alone = _converged(geometry, geometry, candidates, noise_dof, noise_known, scatters=False)
+    alone = _converged(geometry, Begun(geometry), candidates, noise_dof, noise_known, scatters=False)
     return max(found, alone, key=lambda one: one.evidence(geometry.noise))
 
 
 def _converged(
     geometry: Fit,
-    at: Fit,
+    begun: Begun,
     candidates: Sequence[Effect],
     noise_dof: float,
     noise_known: bool,
     scatters: bool = True,
 ) -> Round:
-    """The likeliest set, found again at its own fit until it stays, from a fit on; of sets that do not stay,
+    """The likeliest set, found again at its own fit until it stays; of sets that do not stay,
     or predict clearly worse than another did, the one that predicts best what it did not see, its causes by
     their own forms. scatters: joints may.
 
@@ -105,8 +121,9 @@ def _converged(
     is there beside it.
     A set that stays is judged at its own fit.
     """
-    base, whole, lines, errors = geometry.noise, at, list[Line](), list[float]()
-    stated, labels, before = base, list[str](), set[Effect]()
+    at, labels, lines = begun.at, begun.labels, begun.lines
+    base, whole, errors, before = geometry.noise, at, list[float](), set(at.model.effects)
+    stated = base
     best = None
     for _ in range(ROUNDS):
         lines = _with_lines(whole, lines)
@@ -128,7 +145,7 @@ def _converged(
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
             noise = _scattering(whole, base, scatters)
-            after = _standing(replace(found, noise=noise), found.model.effects)
+            after = standing(replace(found, noise=noise), found.model.effects)
             whole = _with_more(after, beside)
         now = Round(at, found, with_all, competition, members)
         same, before = set(effects) == before, set(effects)
@@ -146,10 +163,10 @@ def _converged(
 
 def refitted(near: Fit, effects: Sequence[Effect]) -> Fit:
     """A fit with these effects; one that would make the arm too soft to stand is left out."""
-    return near if tuple(effects) == near.model.effects else _standing(near, effects)
+    return near if tuple(effects) == near.model.effects else standing(near, effects)
 
 
-def _standing(near: Fit, effects: Sequence[Effect]) -> Fit:
+def standing(near: Fit, effects: Sequence[Effect]) -> Fit:
     """As `refitted`, fitted anew under the noise of `near` whatever effects it has."""
     try:
         return refit(near, effects, ROUGH)
@@ -180,7 +197,7 @@ def _fitted(
     noise = _scattering(whole, base, scatters)
     if alike(noise, result.noise):
         return result, whole
-    result = _standing(replace(result, noise=noise), result.model.effects)
+    result = standing(replace(result, noise=noise), result.model.effects)
     return result, _with_more(result, beside)
 
 
@@ -266,7 +283,7 @@ def worth_of(chosen: Chosen, without: int, main: Index) -> float:
     return float(u @ np.linalg.solve(S, u)) - CLEARER * len(main)
 
 
-def _with_lines(at: Fit, lines: list[Line]) -> list[Line]:
+def _with_lines(at: Fit, lines: Sequence[Line]) -> list[Line]:
     """Further peaks of the scan, what is in the fit taken out."""
     out = list(lines)
     for line in scan(at):

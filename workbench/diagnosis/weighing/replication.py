@@ -38,34 +38,38 @@ class Part:
         return max(self.shares, key=lambda share: share.get(k, 0.0), default={})
 
 
+@dataclass(frozen=True)
+class InParts:
+    """What searches of parts of the data found: their poses, and shares by what these are about."""
+
+    poses: Sequence[Index]
+    found: Sequence[Sequence[Mapping[Key | None, float]]]
+
+    def told(self, components: Sequence[Component]) -> list[Part]:
+        """By the numbers that some components have."""
+        known = _known(components)
+        return [
+            Part(poses, [_translated(share, known) for share in shares])
+            for poses, shares in zip(self.poses, self.found, strict=True)
+        ]
+
+
 @contextmanager
-def searched_in_parts(
-    problem: Problem, search: Search
-) -> Iterator[Callable[[Sequence[Component]], list[Part]]]:
+def searched_in_parts(problem: Problem, search: Search) -> Iterator[Callable[[], InParts]]:
     """Parts of the data, each searched by itself: these see nothing of what the others found. Of large
-    campaigns it is begun on all cores at once; what this gives waits for it, and tells it by the numbers that
-    the whole's components have. search: of some poses, components and shares of what it finds."""
+    campaigns it is begun on all cores at once; what this gives waits for it. search: of some poses,
+    components and shares of what it finds."""
 
     def searched(poses: Index) -> list[dict[Key | None, float]]:
         theirs, found = search(poses)
         return [_by_key(share, theirs) for share in found]
 
     parts = parts_of(problem)
-
-    def told(
-        found: Sequence[Sequence[dict[Key | None, float]]], components: Sequence[Component]
-    ) -> list[Part]:
-        known = _known(components)
-        return [
-            Part(poses, [_translated(share, known) for share in shares])
-            for poses, shares in zip(parts, found, strict=True)
-        ]
-
     if problem.seen.sum() < LARGE:
-        yield lambda components: told([searched(poses) for poses in parts], components)
+        yield lambda: InParts(parts, [searched(poses) for poses in parts])
         return
     with begun(searched, parts) as done:
-        yield lambda components: told(done(), components)
+        yield lambda: InParts(parts, done())
 
 
 def replicated(

@@ -12,7 +12,7 @@ from ...campaign.problem import Problem
 from .anew import CarriedAnew, GeometryAnew, ScaleAnew, ZeroAnew
 from .at_once import AtOnce, Stepping, ZeroAtOnce
 from .base import Unnamed
-from .campaign import Along, Attitude, Clock, PerPayload, Warmth, ZeroInTime, Zeros
+from .campaign import Along, Attitude, Clock, Creeping, PerPayload, Warmth, ZeroInTime, Zeros
 from .carriage import UnevenCarriage
 from .curved_yield import CurvedYield
 from .foot import Foot
@@ -23,7 +23,7 @@ from .loads import Load, OwnWeights, StatedForces, TippingTilt, Torque, UnevenTi
 from .past import Past
 
 KINDS: tuple[type[Unnamed], ...] = (
-    Tilt, Pair, Torque, Load, OwnWeights, Foot, Side, Past, Clock, Along, ZeroInTime, Zeros, Warmth,
+    Tilt, Pair, Torque, Load, OwnWeights, Foot, Side, Past, Clock, Creeping, Along, ZeroInTime, Zeros, Warmth,
     PerPayload, Attitude, Bearing, Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, ScaleAnew,
     GeometryAnew, Product, AtOnce, ZeroAtOnce,
 )  # fmt: skip

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
@@ -18,11 +19,13 @@ from ..recorded import DataFault
 from .base import Unnamed, each, moving
 from .campaign import flange_of
 
+Index = NDArray[np.int64]
+
 
 @dataclass(frozen=True)
 class Stepping(Unnamed, DirectEffect):
-    """Some motions are others from pose number `first` on. A search says where; pose: its name in the
-    campaign."""
+    """Some motions are others from pose number `first` on, to the end of its stretch. A search says where;
+    pose: its name in the campaign."""
 
     size: float = 3e-5
     first: float = 0.0
@@ -36,7 +39,14 @@ class Stepping(Unnamed, DirectEffect):
         return np.arange(len(problem.q), dtype=float)
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
-        return each(self.columns(problem), (self.x(problem) >= self.first)[:, None].astype(float))
+        after = np.zeros((len(problem.q), 1))
+        (own,) = (own for own in self.stretches(problem) if int(self.first) in own)
+        after[own[own >= self.first]] = 1.0
+        return each(self.columns(problem), after)
+
+    def stretches(self, problem: Problem) -> Sequence[Index]:
+        """Numbers of the poses (K,) of each stretch, at the end of which a step ends: the campaign."""
+        return [np.arange(len(problem.q))]
 
     @abstractmethod
     def columns(self, problem: Problem) -> Sequence[int]:
@@ -50,7 +60,7 @@ class Stepping(Unnamed, DirectEffect):
 
 @dataclass(frozen=True)
 class AtOnce(Stepping):
-    """Base (or instrument) or tool slipped, or was moved."""
+    """Base (or instrument) or tool slipped, or was moved: it stands otherwise to the end of its set-up."""
 
     variant: str = "base at once"
 
@@ -79,6 +89,10 @@ class AtOnce(Stepping):
 
     def columns(self, problem: Problem) -> Sequence[int]:
         return flange_of(problem) if self.of_tool else range(6)
+
+    def stretches(self, problem: Problem) -> Sequence[Index]:
+        setup = problem.campaign.poses.setup
+        return [np.flatnonzero(setup == k) for k in np.unique(setup)]
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Self]:
@@ -118,6 +132,8 @@ class ZeroAtOnce(Stepping):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Self]:
+        if problem.campaign.beside:  # several campaigns: a zero is another in one of them as a whole
+            return []
         middle = float(len(problem.q) // 2)
         return [cls(Where(joint=problem.arm.names[j]), first=middle) for j in moving(problem)]
 

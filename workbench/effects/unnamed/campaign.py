@@ -11,7 +11,7 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
 from ..base import Depends, Param
-from ..coming_to_rest import SHARES, gone, since_start, start_and_span
+from ..coming_to_rest import SHARES, SOONEST, gone, share_gone, since_start, start_and_span
 from ..kinds import DirectEffect
 from ..place import Where
 from .base import Unnamed, each, moving
@@ -32,6 +32,7 @@ class Clock(Unnamed, DirectEffect):
 
     depends: ClassVar[Depends] = frozenset({"time"})
     settings: ClassVar[tuple[str, ...]] = ("size", "highest")
+    lacks: ClassVar[str] = "record when each pose was measured (t_s)"
 
     @property
     def functions(self) -> int:
@@ -57,6 +58,11 @@ class Clock(Unnamed, DirectEffect):
     @property
     def of_base(self) -> bool:
         return self.variant.startswith("base")
+
+    @property
+    def like(self) -> str:
+        what = "base (or an instrument)" if self.of_base else "tool"
+        return f"a {what} that moves in the course of the campaign"
 
     def x(self, problem: Problem) -> Array:
         if self.variant.endswith("time") and problem.time is not None:
@@ -84,12 +90,37 @@ class Clock(Unnamed, DirectEffect):
 
 
 @dataclass(frozen=True)
+class Creeping(Clock):
+    """Base or tool creeps to rest in the order of measurement, where no time was recorded, as what warms up
+    does: fast at first, which no few waves are. constant: in poses."""
+
+    variant: str = "base creeping"
+    highest: float = 1.0
+    constant: float = 1.0
+
+    settings: ClassVar[tuple[str, ...]] = (*Clock.settings, "constant")
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        return each(self._columns(problem), share_gone(self.x(problem), self.constant)[:, None])
+
+    @classmethod
+    def of(cls, problem: Problem) -> Sequence[Clock]:
+        return [
+            cls(variant=f"{which} creeping", constant=share * len(problem.q))
+            for share in (SOONEST, *SHARES)
+            for which in ("base", "tool")
+        ]
+
+
+@dataclass(frozen=True)
 class ZeroInTime(Clock):
     """The zero of one joint moves with time, or where none was recorded with the order of measurement: in
     steps, say, as a coupling that slips."""
 
     variant: str = "zero in time"
     size: float = 5e-5
+
+    lacks: ClassVar[str] = ""
 
     @property
     def motions(self) -> int:
