@@ -17,6 +17,7 @@ from ..effects.base import Effect
 from ..identification.fit import Fit
 from .candidates import testable
 from .data_faults.changed_between import changed_between
+from .data_faults.moved_setup import by_no_chance
 from .data_faults.wild_points import wild_beside
 from .given import Searched, search_with_given
 from .prepared import Prepared, Progress, prepare
@@ -115,9 +116,10 @@ def _mended(prepared: Prepared, found: Searched) -> tuple[Prepared | None, Selec
     problem, moved = changed_between(selection)
     if moved:
         return prepared.counted(problem, moved), None
-    if selection.step is None:
+    step = selection.step
+    if step is None or not by_no_chance(selection.fit.lasting, step):
         return None, None
-    return prepared.split(selection.step), selection
+    return prepared.split(step), selection
 
 
 def _searched(

@@ -74,10 +74,7 @@ def step_in_time(result: Fit) -> Step | None:
     c = result.model.problem.campaign
     if len(c.setup_names) > 1 or len(c.poses.q) < 20 or in_motion(c.poses.q, c.poses.time):
         return None
-    motions: dict[DataFault, Array] = {
-        "moved_instrument": result.line.frame,
-        "changed_setup": result.line.direct[:, :, -6:],
-    }
+    motions = _motions(result)
     found = [_step(result, kind, columns) for kind, columns in motions.items()]
     step = max((one for one in found if one), key=lambda one: one.statistic, default=None)
     if step is None or step.statistic < max(_creeping(result, columns) for columns in motions.values()):
@@ -104,6 +101,22 @@ def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
         best = int(gains.argmax())
         there = replace(step, first=float(where[best]), pose=c.poses.ids[where[best]])
         yield there, float(np.exp(0.5 * (gains - gains[best])).mean())
+
+
+def by_no_chance(result: Fit, step: Step) -> bool:
+    """Whether a step, beside a fit without it, takes clearly more off χ² than one does where the order of
+    measurement is drawn at random: what a model lacks looks like steps too."""
+    setup = result.model.problem.campaign.poses.setup
+    here = (setup == setup[step.first])[:, None, None]
+    base = np.where(here, np.matmul(result.whitener, _motions(result)[step.kind]), 0.0)
+    own, possible = np.flatnonzero(here), places(result.model.problem.positions)
+    gain = _gains(*_prefix(result, base, own))[int(np.searchsorted(own, step.first))]
+    return bool(gain > CLEARLY * _by_chance(result, base, possible))
+
+
+def _motions(result: Fit) -> dict[DataFault, Array]:
+    """(N, R, 6) what moves in each kind of step."""
+    return {"moved_instrument": result.line.frame, "changed_setup": result.line.direct[:, :, -6:]}
 
 
 def jump(problem: Problem) -> Step | None:

@@ -19,6 +19,7 @@ from ...effects.acting import Acting
 from ...effects.base import Effect
 from ...robot.compensator import CompensatorLaw, compensator_law
 from ...robot.description import Robot
+from ...robot.equilibrium import equilibrium
 from ...robot.kinematics import Arm, Array
 from ...robot.rigid_plant import arrays
 from ...robot.yielding import Law as Law6
@@ -26,6 +27,7 @@ from ...robot.yielding import Yielding, own_compliance
 
 NONE = 1e-9  # of a slot's largest: a compliance that is none
 RIGID = 1e-10  # rad/(N·m), m/N: what a joint without compliance yields, where it needs a joint at all
+TIPS = "what tips over in a bearing follows the loads at rest: what inertia adds does not move it"
 TABLE = 8001  # torques at which a law that is not linear is tabulated
 
 
@@ -62,8 +64,8 @@ class Mechanics:
     """The simulated robot on a path of N samples: geometry and masses in `arm`, and what moves.
 
     gives: of all slots; axial: law of each joint, None where it is rigid and its gear without error.
-    placed: (N, S, 6) motions that neither load nor the drive makes (temperature, drift, what hangs
-    on two joints together).
+    placed: (N, S, 6) motions that neither a spring nor the drive makes (temperature, drift, what hangs
+    on two joints together, a bearing that tips over).
     mass, moment: tool and payload [kg, kg·m, flange frame]; wrench: (N, 6), torque: (N, n) as `Loads` has
     them. gear: the effects of the transmission. notes: what had to be assumed.
     """
@@ -100,9 +102,15 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
     loaded, loads = extended.loads(here)
     gear = extended.acting.those(_of_a_gear)
     others = extended.acting.those(lambda effect: not _of_a_gear(effect))
+    yielding = extended.acting.yielding(arm)
+    tips = _about_no_axis(arm, yielding)
     placed = others.direct(here)
+    if tips:
+        _, _, load = equilibrium(loaded, q, extended.direct(here), loads, yielding.motion)
+        for slot, law in tips:
+            placed[:, slot] += law(load.local[:, slot])[0]
     erring = {str(effect.where.joint) for effect, _ in gear}
-    axial, gives = springs_of(arm, extended.acting.yielding(arm), erring)
+    axial, gives = springs_of(arm, yielding, erring)
     return Mechanics(
         robot,
         loaded,
@@ -115,8 +123,14 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
         loads.torque,
         loads.compensator,
         gear,
-        extended.notes,
+        (*extended.notes, TIPS) if tips else extended.notes,
     )
+
+
+def _about_no_axis(arm: Arm, yielding: Yielding) -> list[tuple[int, Law6]]:
+    """Laws that are not linear and of no joint's own axis, each with its slot: no spring stands for these."""
+    own = {slot: (int(column) % 6,) for slot, column in enumerate(arm.axial, start=1)}
+    return [(slot, law) for slot, components, law in yielding.bent if components != own.get(slot)]
 
 
 def _of_a_gear(effect: Effect) -> bool:
@@ -148,7 +162,8 @@ def springs_of(
             k = int(arm.axial[slot - 1]) % 6
             own = max(own_compliance(C, k), 0.0)
             C[k, k] -= own
-            forms = [_along_axis(law, k) for where, _, law in yielding.bent if where == slot]
+            bent = (law for where, components, law in yielding.bent if (where, components) == (slot, (k,)))
+            forms = [_along_axis(law, k) for law in bent]
             needed = own > 0 or forms or arm.names[slot - 1] in erring
             axial.append(_law(max(own, RIGID), forms) if needed else None)
         gives += _gives(slot, C)
