@@ -151,13 +151,8 @@ def _plain(structure: str, sentence: str, where: Where, worth_mm: float) -> Find
 
 
 def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) -> Finding:
-    effects, values = final.model.effects, final.state.values
-    same = (
-        v
-        for e, v in zip(effects, values, strict=True)
-        if (e.key, e.variant) == (function.key, function.variant)
-    )
-    value = next(same, None)
+    own = {(e.key, e.variant): v for e, v in zip(final.model.effects, final.state.values, strict=True)}
+    value = own.get((function.key, function.variant))
     structure = f"depends on {function.variable if value is None else function.found(value)}"
     return Finding(
         cause=UNKNOWN,

@@ -38,7 +38,7 @@ def unnamed(problem: Problem) -> Iterator[Unnamed]:
     """Every function without a name that a campaign allows, but those that a search proposes: see `products`
     and `steps`."""
     for kind in KINDS:
-        if kind not in (Product, AtOnce, ZeroAtOnce):
+        if kind is not Product and not issubclass(kind, Stepping):
             yield from kind.sites(problem)  # type: ignore[misc]
 
 

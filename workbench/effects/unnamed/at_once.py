@@ -17,7 +17,7 @@ from ..kinds import DirectEffect
 from ..place import Where
 from ..recorded import DataFault
 from .base import Unnamed, each, moving
-from .campaign import flange_of
+from .campaign import base_or_flange
 
 Index = NDArray[np.int64]
 
@@ -88,7 +88,7 @@ class AtOnce(Stepping):
         return f"{self.label} in the course of the campaign"
 
     def columns(self, problem: Problem) -> Sequence[int]:
-        return flange_of(problem) if self.of_tool else range(6)
+        return base_or_flange(problem, not self.of_tool)
 
     def stretches(self, problem: Problem) -> Sequence[Index]:
         setup = problem.campaign.poses.setup

@@ -73,7 +73,7 @@ class Clock(Unnamed, DirectEffect):
         return each(self._columns(problem), waves_over(self.x(problem), self.highest))
 
     def _columns(self, problem: Problem) -> Sequence[int]:
-        return range(6) if self.of_base else flange_of(problem)
+        return base_or_flange(problem, self.of_base)
 
     @classmethod
     def of(cls, problem: Problem) -> Sequence[Clock]:
@@ -341,3 +341,8 @@ def flange_of(problem: Problem) -> range:
     """Columns of the flange's motions."""
     first = 6 * (problem.arm.n + 1)
     return range(first, first + 6)
+
+
+def base_or_flange(problem: Problem, base: bool) -> range:
+    """Columns of the base's motions, or of the flange's."""
+    return range(6) if base else flange_of(problem)
