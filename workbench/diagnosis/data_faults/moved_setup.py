@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 from ...campaign import Campaign
 from ...campaign.data import after
@@ -351,13 +350,8 @@ def _creeping(result: Fit, columns: Array) -> float:
 def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> tuple[Array, Array, Array]:
     """S (N, m, m), u (N, m), own (N, m) of a step of m motions before each pose of an order, by running
     sums."""
-    base, r, J = base[order], result.r[order], result.J[order] * result.columns.prior
-    gram, score, back = (
-        _before(a.swapaxes(1, 2) @ b) for a, b in ((base, base), (base, r[..., None]), (J, base))
-    )
-    flat = back.swapaxes(0, 1).reshape(back.shape[1], -1)
-    taken = solve_triangular(result.upper, flat, trans="T", check_finite=False)
-    Z = taken.reshape(back.shape[1], len(order), base.shape[2]).transpose(1, 2, 0)
+    across, r, own = base[order].swapaxes(1, 2), result.r[order, :, None], result.own_axes[order]
+    gram, score, Z = (_before(across @ b) for b in (base[order], r, own))
     u = score[..., 0] - Z @ still_to_go(result)
     return gram - Z @ Z.swapaxes(1, 2), u, np.diagonal(gram, axis1=1, axis2=2)
 
