@@ -176,7 +176,7 @@ def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: 
 
 
 def _by_slopes(effect: Effect, problem: Problem) -> bool:
-    """Whether all that is seen of an effect is what slots and wrenches do: nothing that the instrument, or the
+    """Whether all that is seen of an effect is what slots and wrenches do: nothing that an instrument, or the
     torque of a drive, shows of itself."""
     return effect.acts != "instrument" and not (effect.acts == "load" and problem.drives)
 
