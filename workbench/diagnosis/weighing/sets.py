@@ -187,7 +187,7 @@ class Competition:
         return own
 
     def search(self, start: list[Member], among: Mask) -> list[Member]:
-        """Additions while any helps, then exchanges, and again until these make the set no clearly likelier."""
+        """Additions while any helps, then exchanges, again and again while these make it clearly likelier."""
         members = self.grown(list(start), among)
         for _ in range(EXCHANGES):
             better = self.exchanged(members, among)
