@@ -17,9 +17,10 @@ from workbench.campaign.parted import parted
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import prepared
-from workbench.diagnosis.data_faults.moved_setup import jump, places
+from workbench.diagnosis.data_faults.moved_setup import jump
 from workbench.diagnosis.data_faults.wild_points import _frozen
 from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.weighing.places_of_steps import places
 from workbench.files.faults import InputError
 from workbench.identification.heldout import heldout
 from workbench.measurement.design import plan

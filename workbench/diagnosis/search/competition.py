@@ -109,13 +109,14 @@ class Selection:
         return Begun(standing(replace(near, noise=self.fit.noise), kept), members, lines)
 
     @property
-    def step(self) -> Step | None:
-        """A step in time that is as sure as what has a name; None where there is none."""
+    def steps(self) -> list[Step]:
+        """Steps in time that are as sure as what has a name, the largest first."""
+        found = list[Step]()
         for member, share in zip(self.members, self.shares, strict=True):
             effect = stands_anew(self.components[member.component].effect)
             if effect is not None and share[member.component] >= PRIORS.named:
-                return Step(effect.kind, int(effect.first), 1e-3 * self.worth_mm(member))
-        return None
+                found.append(Step(effect.kind, int(effect.first), 1e-3 * self.worth_mm(member)))
+        return sorted(found, key=lambda step: -step.size)
 
     def _shown(self, i: int) -> tuple[bool, float]:
         """Whether the fit's i-th effect shows, and how large it is."""

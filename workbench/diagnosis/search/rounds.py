@@ -14,7 +14,6 @@ from ...effects.unnamed.joints import Product
 from ...identification.fit import ROUGH, Fit, refit
 from ...identification.heldout import heldout
 from ...identification.noise import Covariance, log_precision
-from ..data_faults.moved_setup import likely_steps
 from ..noise.noise_choice import from_residual
 from ..noise.scatter import CLEAR, alike, beyond_all, with_scatter
 from ..weighing.acts_through import needs_of
@@ -28,6 +27,7 @@ from ..weighing.components import (
     nameless_components,
     step_components,
 )
+from ..weighing.places_of_steps import likely_steps
 from ..weighing.reduced import Index, reduce
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder, remainder
 from ..weighing.replication import enough_for_halves
