@@ -79,6 +79,14 @@ def spread_of(points: Array) -> float:
     return float(np.sqrt(points.var(axis=0).sum()))
 
 
+def middle_of(values: Array) -> Array:
+    """Median over the first axis of numbers (N, ...), N ≥ 1, none of them NaN: NumPy's, without what that
+    spends on every other case."""
+    low, high = (len(values) - 1) // 2, len(values) // 2
+    parted = np.partition(values, (low, high), axis=0)
+    return np.asarray(0.5 * (parted[low] + parted[high]))
+
+
 def stated_within(problem: Problem) -> Array:
     """(T,) [m] how far each target may be from where it is stated; a fixed one is held tight."""
     known = np.asarray(np.isfinite(problem.stated_targets).all(axis=1))
@@ -99,9 +107,9 @@ def sight(where: Frames, points: Array, on: Sequence[int], here: NDArray[np.bool
     seen = np.asarray(np.isfinite(z).all(axis=2))
     p = np.stack([where.p[k][here] for k in on], axis=1)
     if seen.any():
-        off = np.where(seen[..., None], z, 0.0) - np.median(z[seen], axis=0)
+        off = np.where(seen[..., None], z, 0.0) - middle_of(z[seen])
         distance = np.linalg.norm(np.clip(off, -1e100, 1e100), axis=2)
-        usual = float(np.median(distance[seen])) + float(np.linalg.norm(p[seen].std(axis=0))) + 1e-3
+        usual = float(middle_of(distance[seen])) + float(np.linalg.norm(p[seen].std(axis=0))) + 1e-3
         seen &= distance < FAR * usual
     return Sight(np.stack([where.R[k][here] for k in on], axis=1), p, z, seen)
 
@@ -136,13 +144,13 @@ def _kabsch(seen: Sight, targets: Array) -> tuple[Array, Array]:
     a, b = points[seen.seen], seen.points[seen.seen]
     if len(a) < 2:
         return np.eye(3), (b - a).mean(axis=0) if len(a) else np.zeros(3)
-    ca, cb = np.median(a, axis=0), np.median(b, axis=0)
+    ca, cb = middle_of(a), middle_of(b)
     weight = np.ones(len(a))
     R = np.eye(3)
     for _ in range(5):
         R = nearest_turn(a - ca, weight[:, None] * (b - cb))
         off = np.linalg.norm(b - cb - (a - ca) @ R.T, axis=1)
-        weight = 1 / (off + np.median(off) + 1e-9)
+        weight = 1 / (off + middle_of(off) + 1e-9)
         weight /= weight.sum()
         ca, cb = weight @ a, weight @ b
     return R, cb - R @ ca
@@ -170,7 +178,7 @@ def _refine(
     z, mask = np.where(seen.seen[..., None], seen.points, 0.0), seen.seen
     now = _Place(R, t, start.copy(), _size(seen) if free_scale else 1.0)
     hold = np.concatenate([np.full(6, 1e-9), np.repeat(prior, 3) ** -2.0, [0.0 if free_scale else 1e18]])
-    misfit, damping = np.inf, 0.0
+    misfit, damping, some = np.inf, 0.0, bool(mask.any())
 
     def left(points: Array) -> tuple[Array, Array]:
         residual = np.where(mask[..., None], z - points, 0.0)
@@ -182,7 +190,7 @@ def _refine(
     points = now.points(seen)
     residual, length = left(points)
     for iteration in range(rounds):
-        misfit, last = float(np.median(length[mask])) if mask.any() else 0.0, misfit
+        misfit, last = float(middle_of(length[mask])) if some else 0.0, misfit
         soft, scale = 1.5 * misfit + 1e-9, misfit + 1e-6
         far = np.hypot(length, soft)
         about = points - now.t
@@ -194,7 +202,10 @@ def _refine(
         g[6:-1] -= hold[6:-1] * (now.targets - start).ravel()
         least, step = cost(now, far, scale), np.zeros(len(g))
         while damping <= MOST_DAMPED:
-            step = np.linalg.solve(A + np.diag(damping * np.diag(A)) if damping else A, g)
+            damped = A.copy() if damping else A
+            if damping:
+                damped.flat[:: len(hold) + 1] += damping * np.diag(A)
+            step = np.linalg.solve(damped, g)
             then = now.moved(step)
             there = then.points(seen)
             off = left(there)
@@ -209,7 +220,7 @@ def _refine(
     every = np.asarray(np.isfinite(seen.points).all(axis=2))
     gap = np.clip(np.where(every[..., None], seen.points, np.nan) - points, -1e100, 1e100)
     length = np.linalg.norm(gap, axis=2)
-    middle = float(np.median(length[mask])) if mask.any() else 0.0
+    middle = float(middle_of(length[mask])) if some else 0.0
     return Placed(now.R, now.t, now.targets, now.size, length, middle)
 
 

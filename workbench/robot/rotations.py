@@ -7,11 +7,14 @@ Quaternions w x y z: ABB. Rotation vectors: Universal Robots.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
+FAR_TURN = 1e9  # rad, beyond all that a rotation vector means
 
 
 def zyx_angles(R: Array) -> Array:
@@ -68,7 +71,27 @@ def vectors(R: Array) -> Array:
 
 def from_vectors(vector: Array) -> Array:
     """(N, 3, 3) from (N, 3) rotation vectors [rad], (3, 3) from one (3,)."""
+    if np.ndim(vector) == 1 and np.abs(vector).max() < FAR_TURN:
+        return _from_one(*np.asarray(vector, dtype=np.float64).tolist())
     return np.asarray(Rotation.from_rotvec(vector).as_matrix())
+
+
+def _from_one(x: float, y: float, z: float) -> Array:
+    """(3, 3) by SciPy's formulas, to the last bit: a registration turns its frame very many times."""
+    square = x * x + y * y + z * z
+    angle = math.sqrt(square)
+    small = 0.5 - square / 48 + square * square / 3840
+    scale, w = small if angle <= 1e-3 else math.sin(angle / 2) / angle, math.cos(angle / 2)
+    x, y, z = scale * x, scale * y, scale * z
+    xx, yy, zz, ww = x * x, y * y, z * z, w * w
+    xy, xz, yz, xw, yw, zw = x * y, x * z, y * z, x * w, y * w, z * w
+    return np.array(
+        [
+            [xx - yy - zz + ww, 2 * (xy - zw), 2 * (xz + yw)],
+            [2 * (xy + zw), -xx + yy - zz + ww, 2 * (yz - xw)],
+            [2 * (xz - yw), 2 * (yz + xw), -xx - yy + zz + ww],
+        ]
+    )
 
 
 def rotation_about(axis: str, angle: Array | float) -> Array:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import Arm, Array, Frames, frames
-from ..registration import STATED_TARGET, UNKNOWN_TARGET, Placed, place, sight, spread_of
+from ..registration import STATED_TARGET, UNKNOWN_TARGET, Placed, middle_of, place, sight, spread_of
 
 POSES = 60  # of a set-up, evenly chosen: enough to tell a wrong robot
 SETUPS = 6
@@ -125,10 +125,10 @@ def misfit(data: Sample, *, turns: bool = False, scale: bool = False, rounds: in
     if not len(every):
         return Misfit()
     share = float(np.sqrt(np.mean(np.minimum(every, BOUND) ** 2)))
-    return Misfit(share, float(np.median(every)), float(displaced), float(np.median(spreads)), tuple(placed))
+    return Misfit(share, float(middle_of(every)), float(displaced), float(np.median(spreads)), tuple(placed))
 
 
 def _middle(length: Array) -> Array:
     """(T,) median of each target's (N, T) lengths, infinite where it was never seen."""
     seen = [column[np.isfinite(column)] for column in length.T]
-    return np.array([np.median(some) if len(some) else np.inf for some in seen])
+    return np.array([middle_of(some) if len(some) else np.inf for some in seen])
