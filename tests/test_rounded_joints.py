@@ -14,11 +14,11 @@ from workbench.simulation.virtual_campaign import Truth, simulate
 HELD = [2, 3, 4, 5]
 
 
-def held_in_runs(written: bool, seed=4, rows=16, first_target=0.0):
-    """320 poses of a robot without a fault, in runs of so many rows in which four joints stand still. All
+def held_in_runs(written: bool, seed=4, rows=16, first_target=0.0, poses=320):
+    """Poses of a robot without a fault, in runs of so many rows in which four joints stand still. All
     joints are written to 0.1°, or else are exactly there. first_target: [m] off its place on the tool."""
     robot, rng = load_robot("ur5"), np.random.default_rng(seed)
-    q = random_poses(robot, 320, rng)
+    q = random_poses(robot, poses, rng)
     q[:, HELD] = np.repeat(q[::rows][:, HELD], rows, axis=0)
     to_digits = np.radians(np.round(np.degrees(q), 1))
     plan = planned(robot, q if written else to_digits)
@@ -29,7 +29,7 @@ def held_in_runs(written: bool, seed=4, rows=16, first_target=0.0):
 
 
 def test_rounding_is_no_fault_of_a_gear():
-    outcome = diagnose(held_in_runs(written=True))
+    outcome = diagnose(held_in_runs(written=True, poses=208))
     found, names = outcome.diagnosis, [outcome.problem.arm.names[j] for j in HELD]
     assert not [finding for finding in found.causes if finding.status == "named"]
     assert {fault.kind for fault in found.faults} == {"rounded_joints"}
@@ -39,7 +39,7 @@ def test_rounding_is_no_fault_of_a_gear():
 
 
 def test_round_commands_are_believed():
-    outcome = diagnose(held_in_runs(written=False))
+    outcome = diagnose(held_in_runs(written=False, poses=208))
     assert outcome.problem.rounded == ()
     assert outcome.diagnosis.verdict == "nothing_missing"
     assert not outcome.diagnosis.faults
