@@ -160,7 +160,7 @@ def other_way_up(seed):
     return by_a_ur5(q, 0.3, 2e-3, 2e-4, rng, seed)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [*(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2)), 3])
 def test_a_tool_the_other_way_up_is_no_jump(seed):
     """What the first poses do not determine, they do not predict."""
     assert jump(problem_of(other_way_up(seed))) is None
