@@ -12,8 +12,9 @@ from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.files.faults import InputError
 from workbench.identification.plausible import believed
-from workbench.identification.registration import register
+from workbench.identification.registration import middle_of, register
 from workbench.robot.description import load_robot
+from workbench.robot.rotations import from_vectors
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
@@ -200,3 +201,15 @@ def test_a_small_range_is_legal(seed, targets):
 def test_few_poses_are_not_judged():
     job, _, _ = measured(poses=5)
     believed(replace(job, campaign=replace(job.campaign, points=job.campaign.points * 1e3)))
+
+
+def test_one_vector_turns_as_many_do_and_the_middle_is_numpys():
+    """To the last bit: the short ways that registrations take."""
+    rng = np.random.default_rng(0)
+    vectors = rng.normal(size=(500, 3)) * 10.0 ** rng.uniform(-9, 1, (500, 1))
+    assert np.array_equal([from_vectors(one) for one in vectors], from_vectors(vectors))
+    assert np.array_equal(from_vectors(np.zeros(3)), np.eye(3))
+    for count in (1, 2, 7, 8):
+        numbers = rng.normal(size=(count, 3))
+        assert np.array_equal(middle_of(numbers), np.median(numbers, axis=0))
+        assert middle_of(numbers[:, 0]) == np.median(numbers[:, 0])
