@@ -43,7 +43,7 @@ def slightly(points):
 
 
 def late(points):
-    points[70:] += [1e-4, -4e-5, 0.0]
+    points[47:] += [1e-4, -4e-5, 0.0]
 
 
 def wild(points):
@@ -64,10 +64,10 @@ def spoilt(change, **options):
 
 def test_a_step_that_causes_hide_is_found_beside_them():
     """What soft joints leave of geometry alone is far more than the step makes."""
-    campaign = spoilt(late, effects=("joint_compliance:joint=joint_3,relative=0.8",))
+    campaign = spoilt(late, poses=40, effects=("joint_compliance:joint=joint_3,relative=0.8",))
     assert not prepared.prepare(campaign).faults
     found = diagnose(campaign).diagnosis
-    assert [(fault.kind, fault.pose_id) for fault in found.faults] == [("moved_instrument", "71")]
+    assert [(fault.kind, fault.pose_id) for fault in found.faults] == [("moved_instrument", "48")]
     assert [cause.label for cause in found.causes] == ["joint_compliance(joint_3)"]
 
 
@@ -161,7 +161,7 @@ def other_way_up(seed):
     return by_a_ur5(q, 0.3, 2e-3, 2e-4, rng, seed)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [*(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2)), 3])
 def test_a_tool_the_other_way_up_is_no_jump(seed):
     """What the first poses do not determine, they do not predict."""
     assert jump(problem_of(other_way_up(seed))) is None

@@ -150,8 +150,8 @@ class Prepared:
         return self._again(measured_only(found.problem), self.geometry.state, found.faults)
 
     def split(self, steps: Sequence[Step]) -> Prepared:
-        """The same with the poses from each step in time on, the largest first, in a set-up of their own, where
-        that leaves poses enough to place frame and targets."""
+        """The same with the poses from each step in time on in a set-up of their own: the largest first, and
+        where that leaves poses enough to place frame and targets."""
         problem, taken = self.problem, list[Step]()
         for step in steps:
             own = np.flatnonzero(problem.campaign.poses.setup == problem.campaign.poses.setup[step.first])
