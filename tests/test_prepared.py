@@ -20,13 +20,17 @@ from workbench.diagnosis import prepared
 from workbench.diagnosis.data_faults.moved_setup import jump
 from workbench.diagnosis.data_faults.wild_points import _frozen
 from workbench.diagnosis.run import diagnose
-from workbench.diagnosis.weighing.places_of_steps import places
+from workbench.diagnosis.weighing.places_of_steps import MOST, likely_steps, places
+from workbench.effects.joint_compliance import JointCompliance
+from workbench.effects.unnamed.at_once import stands_anew
 from workbench.files.faults import InputError
+from workbench.identification.fit import refit
 from workbench.identification.heldout import heldout
 from workbench.measurement.design import plan
 from workbench.measurement.design.prior_information import from_campaign
 from workbench.simulation.virtual_campaign import random_geometry
 
+MOVED = "moved_instrument"
 LATE = 75  # poses before the instrument was moved
 
 
@@ -44,6 +48,11 @@ def slightly(points):
 
 def late(points):
     points[47:] += [1e-4, -4e-5, 0.0]
+
+
+def late_and_back(points):
+    late(points)
+    points[64:] -= [1e-4, 2e-5, 3e-5]
 
 
 def wild(points):
@@ -69,6 +78,17 @@ def test_a_step_that_causes_hide_is_found_beside_them():
     found = diagnose(campaign).diagnosis
     assert [(fault.kind, fault.pose_id) for fault in found.faults] == [("moved_instrument", "48")]
     assert [cause.label for cause in found.causes] == ["joint_compliance(joint_3)"]
+
+
+def test_steps_that_causes_hide_are_found_at_once():
+    """As where an arm is measured in several sittings that nobody wrote down."""
+    campaign = spoilt(late_and_back, poses=40, effects=("joint_compliance:joint=joint_3,relative=0.8",))
+    at = refit(prepared.prepare(campaign).geometry, JointCompliance.sites(problem_of(campaign)))
+    likely = [int(step.first) for step, _ in likely_steps(at) if stands_anew(step)]
+    assert {47, 64} <= set(likely)
+    assert len(likely) < 2 * MOST  # none where they explain nothing any more
+    found = diagnose(campaign).diagnosis
+    assert [(one.kind, one.pose_id) for one in found.faults] == [(MOVED, "48"), (MOVED, "65")]
 
 
 def test_a_plan_takes_a_moved_instrument_for_two_set_ups(tmp_path, capsys):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtrc
 
 from ...campaign.in_motion import in_motion
 from ...campaign.path_sides import sides_along
@@ -53,8 +54,8 @@ class Taken:
 
 def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
     """A step of each kind where it explains most, and how far the data tell this place from the others: the
-    share of all places that are about as likely. Beside one that explains what is asked of it a further one
-    of its kind. None among rows that were measured in motion."""
+    share of all places that are about as likely. Beside one that is no chance, as far as its prior asks,
+    a further one of its kind that is none. None among rows that were measured in motion."""
     problem = result.model.problem
     c, positions = problem.campaign, problem.positions
     if in_motion(c.poses.q, c.poses.time):
@@ -65,14 +66,16 @@ def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
         where = [int(own[i]) for own, some in zip(each, possible, strict=True) for i in some]
         base = np.matmul(result.whitener, result.line.direct[:, :, step.columns(problem)])
         taken = Taken.by(result)
-        for _ in range(MOST if where else 0):
+        for k in range(MOST if where else 0):
             parts = zip(each, possible, strict=True)
             gains = np.concatenate([gains_of(*prefix(taken, base, own))[some] for own, some in parts])
             best = int(gains.argmax())
-            there = replace(step, first=float(where[best]), pose=c.poses.ids[where[best]])
             share = float(np.exp(0.5 * (gains - gains[best])).mean())
-            yield there, share
-            if 0.5 * gains[best] + np.log(PRIORS.free * share) < 0:
+            explains = chdtrc(base.shape[2], gains[best]) < PRIORS.free * share
+            there = replace(step, first=float(where[best]), pose=c.poses.ids[where[best]])
+            if k == 0 or explains:
+                yield there, share
+            if not explains:
                 break
             taken = taken.and_of(base * there.after(problem)[:, :, None])
 
