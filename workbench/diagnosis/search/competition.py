@@ -112,10 +112,15 @@ class Selection:
     def steps(self) -> list[Step]:
         """Steps in time that are as sure as what has a name, the largest first."""
         found = list[Step]()
-        for member, share in zip(self.members, self.shares, strict=True):
-            effect = stands_anew(self.components[member.component].effect)
-            if effect is not None and share[member.component] >= PRIORS.named:
-                found.append(Step(effect.kind, int(effect.first), 1e-3 * self.worth_mm(member)))
+        for i, (member, share) in enumerate(zip(self.members, self.shares, strict=True)):
+            if share[member.component] < PRIORS.named:
+                continue
+            at = 0
+            for effect in self.components[member.component].forms[member.form].effects:
+                own = slice(at, at := at + len(effect.params))
+                if step := stands_anew(effect):
+                    size = made_mm(self.fit, self.reduced, self.members, i, own)
+                    found.append(Step(step.kind, int(step.first), 1e-3 * size))
         return sorted(found, key=lambda step: -step.size)
 
     def _shown(self, i: int) -> tuple[bool, float]:
@@ -134,10 +139,12 @@ class Selection:
         return made_mm(self.fit, self.reduced, members, members.index(member))
 
 
-def made_mm(fit: Fit, reduced: Reduced, members: Sequence[Member], i: int) -> float:
-    """RMS length [mm] of what the i-th of some members makes of the points."""
+def made_mm(
+    fit: Fit, reduced: Reduced, members: Sequence[Member], i: int, part: slice = slice(None)
+) -> float:
+    """RMS length [mm] of what the i-th of some members, or a part of its numbers, makes of the points."""
     chosen = Chosen(reduced, members)
-    index, beta = chosen.index[chosen.own[i]], chosen.beta[chosen.own[i]]
+    index, beta = chosen.index[chosen.own[i]][part], chosen.beta[chosen.own[i]][part]
     S = reduced.S.between(index, index)
     return 1e3 * fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / reduced.dof))
 

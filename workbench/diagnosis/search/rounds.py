@@ -227,7 +227,7 @@ def _competition(
     at: Fit,
     candidates: Sequence[Effect],
     lines: Sequence[Line],
-    steps: Sequence[tuple[Effect, float]],
+    steps: Sequence[Sequence[tuple[Effect, float]]],
     base: Covariance,
     noise_dof: float,
 ) -> Competition:

@@ -52,10 +52,10 @@ class Taken:
         return Taken(np.concatenate([self.axes, axes], axis=2), np.concatenate([self.to_go, to_go]), self.r)
 
 
-def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
+def likely_steps(result: Fit) -> Iterator[list[tuple[Effect, float]]]:
     """A step of each kind where it explains most, and how far the data tell this place from the others: the
-    share of all places that are about as likely. Beside one that is no chance, as far as its prior asks,
-    a further one of its kind that is none. None among rows that were measured in motion."""
+    share of all places that are about as likely. Behind one that is no chance, as far as its prior asks, a
+    further one of its kind that is none beside it. None among rows that were measured in motion."""
     problem = result.model.problem
     c, positions = problem.campaign, problem.positions
     if in_motion(c.poses.q, c.poses.time):
@@ -65,19 +65,21 @@ def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
         possible = [places(positions[own]) for own in each]
         where = [int(own[i]) for own, some in zip(each, possible, strict=True) for i in some]
         base = np.matmul(result.whitener, result.line.direct[:, :, step.columns(problem)])
-        taken = Taken.by(result)
-        for k in range(MOST if where else 0):
+        taken, found = Taken.by(result), list[tuple[Effect, float]]()
+        while where and len(found) < MOST:
             parts = zip(each, possible, strict=True)
             gains = np.concatenate([gains_of(*prefix(taken, base, own))[some] for own, some in parts])
             best = int(gains.argmax())
             share = float(np.exp(0.5 * (gains - gains[best])).mean())
             explains = chdtrc(base.shape[2], gains[best]) < PRIORS.free * share
             there = replace(step, first=float(where[best]), pose=c.poses.ids[where[best]])
-            if k == 0 or explains:
-                yield there, share
+            if explains or not found:
+                found.append((there, share))
             if not explains:
                 break
             taken = taken.and_of(base * there.after(problem)[:, :, None])
+        if found:
+            yield found
 
 
 def gains_of(S: Array, u: Array, own: Array) -> Array:
