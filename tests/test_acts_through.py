@@ -61,7 +61,7 @@ def test_a_tilt_is_not_taken_for_the_load_that_shows_by_it():
 def test_a_bearing_that_tilts_unevenly_is_no_foundation():
     """A foundation may be softer about one axis than about the other, and so may a bearing."""
     robot = load_robot("kr500")
-    plan = planned(robot, random_poses(robot, 80, np.random.default_rng(4)))
+    plan = planned(robot, random_poses(robot, 60, np.random.default_rng(4)))
     C = 1e-7 * np.array([[1.2, 0.1], [0.1, 0.8]])
 
     def stiffens(wrench):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from workbench import Truth, load_robot, parse_effect, planned, problem_of, random_poses, simulate
@@ -26,10 +28,16 @@ def soft(seed: int, compliance: float) -> Campaign:
     return simulate(plan, Truth(effects=hidden, sigma=2e-5), seed=seed)
 
 
+@cache
+def both():
+    """The campaigns as occasions, and all their poses as one problem."""
+    return occasions_of([soft(1, BEFORE), soft(2, AFTER)], lambda _: None)
+
+
 def test_links_that_are_heavier_in_all_campaigns_are_no_joint_that_became_softer():
     """They do more where a joint is softer: at each campaign's own compliance the masses of all links, at a
     hundred percent more, stood in for its change, and the joint of both was stiff."""
-    occasions, whole = occasions_of([soft(1, BEFORE), soft(2, AFTER)], lambda _: None)
+    occasions, whole = both()
     decided = decide(occasions, whole, candidates_of(whole)[0])
     members = [(decided.candidates[m.component], decided.shape(m)) for m in decided.members]
     changed = [(candidate.cause, candidate.where.joint) for candidate, _ in members if candidate.change]
@@ -41,7 +49,7 @@ def test_links_that_are_heavier_in_all_campaigns_are_no_joint_that_became_softer
 
 def test_until_something_is_found_all_campaigns_have_the_same_effects(monkeypatch):
     """At each campaign's own, what is common to them would explain that they differ."""
-    occasions, whole = occasions_of([soft(1, BEFORE), soft(2, AFTER)], lambda _: None)
+    occasions, whole = both()
     assert abs(occasions[0].fit.state.values[0][0] - occasions[1].fit.state.values[0][0]) > 5e-6
     began = []
     system_of = decision.system_of

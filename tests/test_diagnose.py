@@ -340,13 +340,13 @@ def test_a_test_after_the_instrument_was_moved_is_not_judged_in_the_frame_before
 
 
 def test_without_any_noise_only_what_depends_on_something_is_claimed():
-    diagnosis = sound(found(measured(effects=(GEAR,), state_sigma=False, targets=1)))
+    diagnosis = sound(found(measured(effects=(GEAR,), poses=40, state_sigma=False, targets=1)))
     assert diagnosis.noise.source == "residual"
     assert diagnosis.noise.sigma_mm == pytest.approx(1e3 * SIGMA, rel=0.15)
     assert named(diagnosis) == {GEAR_JOINT: "named"}
     assert diagnosis.to_json()["remainder"]["p_value"] is None
     assert any("cannot be judged" in note for note in diagnosis.notes)
-    clean = sound(found(measured(state_sigma=False, targets=1)))
+    clean = sound(found(measured(poses=40, state_sigma=False, targets=1)))
     assert clean.verdict == "nothing_missing"
 
 

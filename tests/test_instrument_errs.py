@@ -105,7 +105,7 @@ def test_a_reflector_whose_range_is_off_is_no_noise(sound):
 
 def test_a_gear_is_found_beside_what_the_instrument_does():
     hidden = "gear_eccentricity:joint=joint_1,variant=2,amplitude=3e-4,phase=0.5"
-    found = diagnose(seen_by_tracker(measured("6R", (hidden,), loads=()), short)).diagnosis
+    found = diagnose(seen_by_tracker(measured("6R", (hidden,), poses=40, loads=()), short)).diagnosis
     first, *more = found.causes
     assert (first.cause, first.where.joint, first.status) == ("gear_eccentricity", "joint_1", "named")
     assert [(one.cause, one.like) for one in more] == [

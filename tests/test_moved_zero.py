@@ -39,7 +39,7 @@ def of_one_robot(tmp_path, zero, name="ur5", effects=(RUN_OUT,), q=None, poses=4
 def test_a_zero_that_moved_is_told_with_its_size_and_hides_no_cause(tmp_path):
     """The corrected robot is the one of the last campaign."""
     zero = [0.0, 0.0, 0.0, 1.5e-3, 0.0, 0.0]
-    first, second, other = of_one_robot(tmp_path, zero)
+    first, second, other = of_one_robot(tmp_path, zero, poses=25)
     found = diagnose([first, second], test=other).diagnosis
     (fault,) = [one for one in found.faults if one.kind == "moved_zero"]
     size, error = (

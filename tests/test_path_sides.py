@@ -20,6 +20,7 @@ from workbench import (
     write_campaign,
 )
 from workbench.campaign.path_sides import sides_along
+from workbench.diagnosis.prepared import prepare
 
 POSES = 160
 SETUP = np.zeros(POSES, dtype=np.int64)
@@ -86,8 +87,7 @@ def test_a_play_is_found_on_a_path(tmp_path: Path) -> None:
     assert width.value == pytest.approx(2e-4, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", [3, 5])
-def test_what_hangs_together_along_a_path_is_no_step(tmp_path: Path, seed: int) -> None:
+def with_a_wave(folder: Path, seed: int) -> Campaign:
     """Errors by products of joints, which no function in the model has, swing slowly in their order."""
 
     def joints(q, side):
@@ -96,8 +96,17 @@ def test_what_hangs_together_along_a_path_is_no_step(tmp_path: Path, seed: int) 
         )
         return 4e-4 * wave[:, None] * np.array([1.0, 1.0, 0, 0, 0, 0])
 
-    found = diagnose(measured(tmp_path, joints, seed)).diagnosis
-    assert not [fault for fault in found.faults if fault.kind in ("changed_setup", "moved_instrument")]
+    return measured(folder, joints, seed)
+
+
+@pytest.mark.parametrize(
+    ("seed", "faults"),
+    [(3, lambda seen: diagnose(seen).diagnosis.faults), (5, lambda seen: prepare(seen).faults)],
+    ids=["beside causes", "before any"],
+)
+def test_what_hangs_together_along_a_path_is_no_step(tmp_path: Path, seed: int, faults) -> None:
+    found = faults(with_a_wave(tmp_path, seed))
+    assert not [fault for fault in found if fault.kind in ("changed_setup", "moved_instrument")]
 
 
 def test_an_instrument_that_moved_along_a_path_is_told(tmp_path: Path) -> None:

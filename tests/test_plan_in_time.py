@@ -43,7 +43,7 @@ def test_a_plan_keeps_to_its_time():
 def test_a_target_that_takes_too_long_is_left_out(tmp_path, capsys):
     """Reflectors that are moved by hand: what is measured, and for how long, stands in what is written."""
     (tmp_path / "cell.toml").write_text("schema = 1\n[driving]\nreflector_s = 60\n")
-    call = ["plan", "irb120", "--minutes", "12", "--quick", "--format", "krl", "--json"]
+    call = ["plan", "irb120", "--minutes", "6", "--quick", "--format", "krl", "--json"]
     assert main([*call, "--cell", str(tmp_path / "cell.toml"), "--out", str(tmp_path)]) == 0
     facts = json.loads(capsys.readouterr().out)
     measured, left_out = facts["drive"]["targets"], facts["targets_left_out"]
@@ -86,13 +86,13 @@ def test_an_arm_is_worked_warm_where_there_is_time_for_it():
     def made(wait):
         cell = CellData(driving=DrivingData(warm_up_min=wait))
         told = "thermal_growth,gear_ratio:joint=joint_2"
-        return plan(load_robot("irb120"), tell=told, minutes=5, cell=cell, quick=True)
+        return plan(load_robot("irb120"), tell=told, minutes=4, cell=cell, quick=True)
 
     quick = made(0.5)
-    assert quick.drive.total_s < 5.5 * 60
+    assert quick.drive.total_s < 4.4 * 60
     assert set(quick.records.poses.temperature) == {20.0, 30.0}
     assert quick.least > 10
-    with pytest.raises(InputError, match="5 min are too short for poses warm and cold"):
+    with pytest.raises(InputError, match="4 min are too short for poses warm and cold"):
         made(300.0)
 
 

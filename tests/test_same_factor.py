@@ -15,10 +15,10 @@ BALL = np.array([0.0, 0.0, 0.166])
 SOCKET = np.array([0.45, 0.2, 0.25])
 
 
-def hand(urdf, q):
+def hand(joints, q):
     """(3,) where the ball is, by the URDF's own numbers: joints in the order of the file."""
     place, turned, moving = np.zeros(3), Rotation.identity(), iter(q)
-    for joint in ET.parse(urdf).getroot().iter("joint"):
+    for joint in joints:
         origin, axis = joint.find("origin"), joint.find("axis")
         place = place + turned.apply([float(v) for v in origin.get("xyz").split()])
         turned = turned * Rotation.from_euler("xyz", [float(v) for v in origin.get("rpy").split()])
@@ -32,7 +32,7 @@ def hand(urdf, q):
 def held(offset, tmp_path):
     """A ball at the hand of an iiwa held in one socket: `offset` is in the URDF twice, and not in the arm."""
     plan = measured("iiwa7", poses=60, loads=(), targets=1)
-    true = plan.robot.urdf
+    true = list(ET.parse(plan.robot.urdf).getroot().iter("joint"))
     q = np.array([least_squares(lambda p: hand(true, p) - SOCKET, one).x for one in plan.poses.q])
     seen = SOCKET + np.random.default_rng(3).normal(0, 1e-4, (len(q), 3))
     robot = load_robot("iiwa7")

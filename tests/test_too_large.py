@@ -31,11 +31,11 @@ def test_no_arm_grows_by_millimetres_per_metre(growth):
     assert "looks like thermal growth, but of a size that it has on no machine" in cause.structure
 
 
-@pytest.mark.parametrize("share", [0.1, 1.5])
-def test_no_link_weighs_more_than_the_whole_arm(share):
+@pytest.mark.parametrize(("share", "poses"), [(0.1, 60), (1.5, 40)])
+def test_no_link_weighs_more_than_the_whole_arm(share, poses):
     """A share of the arm's mass that is added to link_2: more than one is what something else does."""
     robot = load_robot("kr120")
-    plan = planned(robot, random_poses(robot, 60, np.random.default_rng(1)))
+    plan = planned(robot, random_poses(robot, poses, np.random.default_rng(1)))
     whole = float(problem(plan).arm.mass.sum())
     heavier = parse_effect(f"link_mass:link=link_2,mass={share * whole}", problem(plan))
     found = diagnose(simulate(plan, Truth(effects=(heavier,), sigma=2e-5), seed=1)).diagnosis

@@ -8,8 +8,8 @@ from diagnosis_cases import measured
 
 from workbench.diagnosis.run import diagnose
 
-FIRST, STEP = 33, 4e-4
-POSES = 60
+FIRST, STEP = 22, 4e-4
+POSES = 40
 
 
 def stepped(problem):

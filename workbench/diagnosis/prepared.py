@@ -36,6 +36,7 @@ from .noise.noise_choice import SILENT, as_left, from_residual, of_distances, ri
 from .noise.six_dof import of_repeats, of_turns, turn_rad
 from .noise.torque_noise import torque_noise
 from .result import FaultFound, Noise
+from .weighing.places_of_steps import places
 from .weighing.replication import enough_for_halves
 
 ALIKE = 0.05  # of a noise: by less it is as it was taken for
@@ -148,10 +149,18 @@ class Prepared:
         """The same without what was found to be wild beside causes."""
         return self._again(measured_only(found.problem), self.geometry.state, found.faults)
 
-    def split(self, step: Step) -> Prepared:
-        """The same with the poses from a step in time on in a set-up of their own."""
-        problem = measured_only(split_setup(self.problem, step.first))
-        return self._again(problem, start_state(problem), (step.fault(self.problem),))
+    def split(self, steps: Sequence[Step]) -> Prepared:
+        """The same with the poses from each step in time on in a set-up of their own: the largest first, and
+        where that leaves poses enough to place frame and targets."""
+        problem, taken = self.problem, list[Step]()
+        for step in steps:
+            own = np.flatnonzero(problem.campaign.poses.setup == problem.campaign.poses.setup[step.first])
+            if int(np.searchsorted(own, step.first)) in places(problem.positions[own]):
+                problem = split_setup(problem, step.first)
+                taken.append(step)
+        problem = measured_only(problem)
+        faults = [step.fault(self.problem) for step in sorted(taken, key=lambda step: step.first)]
+        return self._again(problem, start_state(problem), tuple(faults))
 
     def counted(self, problem: Problem, faults: tuple[FaultFound, ...]) -> Prepared:
         """The same with joints counted otherwise in some of the poses."""

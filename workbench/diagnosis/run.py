@@ -105,7 +105,7 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
 
 def _mended(prepared: Prepared, found: Searched) -> tuple[Prepared | None, Selection | None]:
     """Without data faults that show beside what was found alone, None where there is none: wild points,
-    zeros, loads and scales that are others in some campaigns, or else a step in time. And what was found,
+    zeros, loads and scales that are others in some campaigns, or else steps in time. And what was found,
     where the search may go on from that."""
     selection = found.selection
     wild = wild_beside(selection.fit, prepared.least)
@@ -116,10 +116,8 @@ def _mended(prepared: Prepared, found: Searched) -> tuple[Prepared | None, Selec
     problem, moved = changed_between(selection)
     if moved:
         return prepared.counted(problem, moved), None
-    step = selection.step
-    if step is None or not by_no_chance(selection.fit.lasting, step):
-        return None, None
-    return prepared.split(step), selection
+    sure = [step for step in selection.steps if by_no_chance(selection.fit.lasting, step)]
+    return (prepared.split(sure), selection) if sure else (None, None)
 
 
 def _searched(

@@ -72,11 +72,17 @@ class Fit:
         return self.normal.factor(self.rough)
 
     @cached_property
+    def own_axes(self) -> Array:
+        """(N, D, P) whitened Jacobian along axes on which its numbers, the priors counted in, are known to 1:
+        what it takes of whitened columns are their products with these."""
+        J = self.normal.J * self.columns.prior
+        taken = solve_triangular(self.upper, J.T, trans="T", check_finite=False)
+        return np.ascontiguousarray(taken.T).reshape(self.J.shape)
+
+    @cached_property
     def motions(self) -> Array:
         """(N, R, P) Jacobian before whitening."""
-        rows = self.whitener.shape[2]
-        unit = np.broadcast_to(np.eye(rows), (len(self.whitener), rows, rows))
-        return jacobian(self.model, self.line, self.columns, self.state, unit)
+        return jacobian(self.model, self.line, self.columns, self.state, None)
 
     @cached_property
     def lasting(self) -> Fit:

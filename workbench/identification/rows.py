@@ -6,8 +6,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..campaign.problem import Problem
+from ..effects.base import Effect
 from ..robot.kinematics import Array
 from ..robot.rotations import from_vectors
 from .model import Linearisation, Model, Prediction, State, move_frame
@@ -123,28 +125,60 @@ def offset_of(model: Model, cols: Columns, state: State) -> Array:
     return out / cols.prior
 
 
-def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: Array) -> Array:
-    """(N, D, P) whitened Jacobian."""
+@dataclass(frozen=True)
+class _Whitened:
+    """Derivatives as effects ask for them, of whitened rows."""
+
+    prediction: Prediction
+    direct: Array
+    torque: Array
+    rows: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, line: Linearisation, W: Array) -> _Whitened:
+        return cls(line.prediction, np.matmul(W, line.direct), np.matmul(W, line.torque), line.rows)
+
+
+def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: Array | None) -> Array:
+    """(N, D, P) Jacobian, whitened by W (N, D, R); None: as it is (D = R). What effects do of the motions of
+    slots they do of whitened ones as well: these are far fewer than the columns of all effects."""
     setup = model.problem.campaign.poses.setup
     n_poses, rows, _ = line.geometry.shape
-    J = np.zeros((n_poses, rows, len(cols.names)))
+    fixed = np.zeros((n_poses, rows, cols.geometry_slice.stop))
     for k in range(cols.setups):
-        J[:, :, 6 * k : 6 * k + 6] = np.where((setup == k)[:, None, None], line.frame, 0.0)
+        fixed[:, :, 6 * k : 6 * k + 6] = np.where((setup == k)[:, None, None], line.frame, 0.0)
     for k, i, part in cols.targets:
         here = (setup == k)[:, None, None]
         if i is not None:
-            J[:, 3 * i : 3 * i + 3, part] = np.where(here, line.target[:, i], 0.0)
+            fixed[:, 3 * i : 3 * i + 3, part] = np.where(here, line.target[:, i], 0.0)
         else:
             body = body_motion(state.targets[k]).reshape(-1, 3, 6)
             count = 3 * line.target.shape[1]
-            J[:, :count, part] = np.where(here, (line.target @ body).reshape(n_poses, count, 6), 0.0)
-    J[:, :, cols.geometry_slice] = line.geometry[:, :, cols.geometry]
-    for i, item in enumerate(model.given, cols.given_slice.start):
-        values = state.given[i - cols.given_slice.start, None]
-        J[:, :, i : i + 1] = model.effect_jacobian(line, item.effect, values)
-    for part, effect, values in zip(cols.effect, model.effects, state.values, strict=True):
-        J[:, :, part] = model.effect_jacobian(line, effect, values)
-    return np.asarray(np.matmul(W, J))
+            moved = (line.target @ body).reshape(n_poses, count, 6)
+            fixed[:, :count, part] = np.where(here, moved, 0.0)
+    fixed[:, :, cols.geometry_slice] = line.geometry[:, :, cols.geometry]
+    first = cols.given_slice.start
+    given = [
+        (item.effect, state.given[i, None], slice(first + i, first + i + 1))
+        for i, item in enumerate(model.given)
+    ]
+    effects = [*given, *zip(model.effects, state.values, cols.effect, strict=True)]
+    slopes = None if W is None or not effects else _Whitened.of(line, W)
+    J = np.empty((n_poses, rows if W is None else W.shape[1], len(cols.names)))
+    J[:, :, : fixed.shape[2]] = fixed if W is None else np.matmul(W, fixed)
+    for effect, values, part in effects:
+        if slopes is not None and _by_slopes(effect, model.problem):
+            J[:, :, part] = effect.jacobian(model.problem, slopes, values)
+        else:
+            own = effect.jacobian(model.problem, line, values)
+            J[:, :, part] = own if W is None else np.matmul(W, own)
+    return J
+
+
+def _by_slopes(effect: Effect, problem: Problem) -> bool:
+    """Whether all that is seen of an effect is what slots and wrenches do: nothing that an instrument, or the
+    torque of a drive, shows of itself."""
+    return effect.acts != "instrument" and not (effect.acts == "load" and problem.drives)
 
 
 def moved(problem: Problem, cols: Columns, state: State, centre: Array, step: Array) -> State:

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 from ...campaign import Campaign
 from ...campaign.data import after
 from ...campaign.in_motion import in_motion
-from ...campaign.path_sides import sides_along
 from ...campaign.problem import Problem
 from ...effects import catalogue
 from ...effects.base import Effect
 from ...effects.coming_to_rest import SHARES, SOONEST, share_gone
 from ...effects.recorded import DataFault
-from ...effects.unnamed import steps, unnamed
+from ...effects.unnamed import unnamed
 from ...identification.fit import Fit
 from ...identification.registration import (
     GOOD,
@@ -32,19 +30,17 @@ from ...identification.registration import (
 )
 from ...robot.kinematics import Array
 from ..result import FaultFound
-from ..weighing.screen import SURVIVES, effective_dof, quadratic, reduce_columns, still_to_go
+from ..weighing.places_of_steps import CLEARLY, Taken, by_chance, gains_of, places, prefix
+from ..weighing.screen import SURVIVES, effective_dof, quadratic, reduce_columns
 from .sag import sag
 
 LEAST_BEFORE = 8  # poses before and after a jump
-DIFFERENT = 5  # poses before and after a step
 JUMP = 0.1  # of the spread of the points, from which a step counts as a jump
 MOST = 0.5  # of what is beyond the noise, which a step explains
 SURE = 3.0  # standard deviations of its size, from which a step's size is determined
 AS_WELL = 2.0  # times what is left of its own fit: one fit for all poses explains a part as well
 WAVES = 3  # cosines in the order of measurement: what a drift may look like
 MANY = 10.0  # times its usual size, up to which what is smooth may stand in for a step
-STRETCHES = 12  # of a path: each is one look
-ORDERS, CLEARLY = 11, 3.0  # drawn at random, and times what chance makes a step of in the middle one of them
 
 
 @dataclass(frozen=True)
@@ -82,27 +78,6 @@ def step_in_time(result: Fit) -> Step | None:
     return step
 
 
-def likely_steps(result: Fit) -> Iterator[tuple[Effect, float]]:
-    """A step of each kind where it explains most, and how far the data tell this place from the others: the
-    share of all places that are about as likely. None among rows that were measured in motion."""
-    problem = result.model.problem
-    c, positions = problem.campaign, problem.positions
-    if in_motion(c.poses.q, c.poses.time):
-        return
-    for step in steps(problem):
-        each = step.stretches(problem)
-        possible = [places(positions[own]) for own in each]
-        where = [int(own[i]) for own, some in zip(each, possible, strict=True) for i in some]
-        if not where:
-            continue
-        base = np.matmul(result.whitener, result.line.direct[:, :, step.columns(problem)])
-        parts = zip(each, possible, strict=True)
-        gains = np.concatenate([_gains(*_prefix(result, base, own))[some] for own, some in parts])
-        best = int(gains.argmax())
-        there = replace(step, first=float(where[best]), pose=c.poses.ids[where[best]])
-        yield there, float(np.exp(0.5 * (gains - gains[best])).mean())
-
-
 def by_no_chance(result: Fit, step: Step) -> bool:
     """Whether a step, beside a fit without it, takes clearly more off χ² than one does where the order of
     measurement is drawn at random: what a model lacks looks like steps too."""
@@ -110,8 +85,8 @@ def by_no_chance(result: Fit, step: Step) -> bool:
     here = (setup == setup[step.first])[:, None, None]
     base = np.where(here, np.matmul(result.whitener, _motions(result)[step.kind]), 0.0)
     own, possible = np.flatnonzero(here), places(result.model.problem.positions)
-    gain = _gains(*_prefix(result, base, own))[int(np.searchsorted(own, step.first))]
-    return bool(gain > CLEARLY * _by_chance(result, base, possible))
+    gain = gains_of(*prefix(Taken.by(result), base, own))[int(np.searchsorted(own, step.first))]
+    return bool(gain > CLEARLY * by_chance(result, base, possible))
 
 
 def _motions(result: Fit) -> dict[DataFault, Array]:
@@ -181,11 +156,11 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
     """The best step of the motions columns: (N, R, 6) of the points; None when none is clear."""
     base = np.matmul(result.whitener, columns)
     n_poses = len(base)
-    before = _prefix(result, base, np.arange(n_poses))
+    before = prefix(Taken.by(result), base, np.arange(n_poses))
     possible = places(result.model.problem.positions)
     if not possible:
         return None
-    gains = _gains(*before)[possible]
+    gains = gains_of(*before)[possible]
     gain, first = float(gains.max()), possible[int(gains.argmax())]
     scatter = _scatter(result, gain)
     step = base * (np.arange(n_poses) < first)[:, None, None]
@@ -197,60 +172,10 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
     if _beside_joints(result, step) < 60 * scatter:
         return None
     alike = scatter > 1.0 or result.model.problem.rounded  # in a run the errors of rounding are
-    if alike and gain < CLEARLY * _by_chance(result, base, possible):
+    if alike and gain < CLEARLY * by_chance(result, base, possible):
         return None
     size, std = _size(result, columns, *(of[first] for of in before))
     return Step(kind, first, size, gain) if size > SURE * std * np.sqrt(scatter) else None
-
-
-def _gains(S: Array, u: Array, own: Array) -> Array:
-    """(K,) what each of K steps takes off χ², of S (K, m, m), u (K, m) and own (K, m) as `quadratic` has
-    them."""
-    length = np.sqrt(np.maximum(own, 1e-300))
-    values, axes = np.linalg.eigh(S / (length[:, :, None] * length[:, None]))
-    along = ((u / length)[:, None] @ axes)[:, 0]
-    kept = values > SURVIVES
-    return np.asarray((along**2 / np.where(kept, values, np.inf)).sum(axis=1))
-
-
-def _by_chance(result: Fit, base: Array, possible: Sequence[int]) -> float:
-    """The most that a step takes off χ² in the middle one of some orders of the positions, drawn at random:
-    what a model lacks is alike in a pose's points and in its repeats, and looks more like a step than as many
-    independent errors do. So it does along a path and while most joints are held: such runs stay whole."""
-    problem, rng = result.model.problem, np.random.default_rng(0)
-    together = _alike(problem)
-    most = []
-    for _ in range(ORDERS):
-        order = np.argsort(rng.permutation(int(together.max()) + 1)[together], kind="stable")
-        most.append(_gains(*_prefix(result, base, order))[possible].max())
-    return float(np.median(most))
-
-
-def _alike(problem: Problem) -> NDArray[np.int64]:
-    """(N,) number of what stays together where the order of measurement is drawn anew: of the repeats of a
-    position, or, where it is longer, of the run of poses in which most joints are held. Along a path, and of
-    few such runs, it is a stretch of the campaign."""
-    q, positions = problem.q, problem.positions
-    runs = problem.campaign.poses.runs
-    stretches = np.arange(len(q)) * STRETCHES // len(q)
-    if sides_along(q, problem.campaign.poses.setup, None) is not None:
-        return stretches
-    if runs.max() >= positions.max():
-        return positions
-    return runs if runs.max() >= STRETCHES else stretches
-
-
-def places(positions: NDArray[np.int64]) -> list[int]:
-    """Where a step may be: between poses enough of which differ to place frame and targets. Returns to a few
-    places anew place neither."""
-
-    def met(order: NDArray[np.int64]) -> NDArray[np.int64]:
-        new = np.zeros(len(order), dtype=np.int64)
-        new[np.unique(order, return_index=True)[1]] = 1
-        return np.cumsum(new)
-
-    before, after = met(positions), met(positions[::-1])[::-1]
-    return [int(k) for k in range(1, len(positions)) if min(before[k - 1], after[k]) >= DIFFERENT]
 
 
 def _size(result: Fit, columns: Array, S: Array, u: Array, own: Array) -> tuple[float, float]:
@@ -346,25 +271,6 @@ def _creeping(result: Fit, columns: Array) -> float:
         S, u, own = reduce_columns(result, base * share_gone(order, share * len(base))[:, None, None])
         gains.append(quadratic(S, u, own)[0])
     return max(gains)
-
-
-def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> tuple[Array, Array, Array]:
-    """S (N, m, m), u (N, m), own (N, m) of a step of m motions before each pose of an order, by running
-    sums."""
-    base, r, J = base[order], result.r[order], result.J[order] * result.columns.prior
-    gram, score, back = (
-        _before(a.swapaxes(1, 2) @ b) for a, b in ((base, base), (base, r[..., None]), (J, base))
-    )
-    flat = back.swapaxes(0, 1).reshape(back.shape[1], -1)
-    taken = solve_triangular(result.upper, flat, trans="T", check_finite=False)
-    Z = taken.reshape(back.shape[1], len(order), base.shape[2]).transpose(1, 2, 0)
-    u = score[..., 0] - Z @ still_to_go(result)
-    return gram - Z @ Z.swapaxes(1, 2), u, np.diagonal(gram, axis1=1, axis2=2)
-
-
-def _before(each: Array) -> Array:
-    """(N, ...) sums of what comes before each."""
-    return np.concatenate([np.zeros_like(each[:1]), np.cumsum(each, axis=0)[:-1]])
 
 
 def split_setup(problem: Problem, first: int) -> Problem:

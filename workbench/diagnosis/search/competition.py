@@ -99,23 +99,29 @@ class Selection:
         """What a search may begin with once steps are set-ups of their own. near: a fit of these."""
         effects, names = self.fit.model.effects, near.model.problem.arm.names
         kept = [e for e in effects if e not in self.beside and stands_anew(e) is None]
-        components = [self.components[member.component] for member in self.members]
-        labels = [one.label for one in components if stands_anew(one.effect) is None]
+        of = {self.components[member.component]: member for member in self.members}
+        members = {one.label: member for one, member in of.items() if stands_anew(one.effect) is None}
         lines = [
             Line(names.index(str(e.where.joint)), e.where.order, self.fit.wald(i))
             for i, e in enumerate(effects)
             if e in kept and e.where.order is not None
         ]
-        return Begun(standing(replace(near, noise=self.fit.noise), kept), labels, lines)
+        return Begun(standing(replace(near, noise=self.fit.noise), kept), members, lines)
 
     @property
-    def step(self) -> Step | None:
-        """A step in time that is as sure as what has a name; None where there is none."""
-        for member, share in zip(self.members, self.shares, strict=True):
-            effect = stands_anew(self.components[member.component].effect)
-            if effect is not None and share[member.component] >= PRIORS.named:
-                return Step(effect.kind, int(effect.first), 1e-3 * self.worth_mm(member))
-        return None
+    def steps(self) -> list[Step]:
+        """Steps in time that are as sure as what has a name, the largest first."""
+        found = list[Step]()
+        for i, (member, share) in enumerate(zip(self.members, self.shares, strict=True)):
+            if share[member.component] < PRIORS.named:
+                continue
+            at = 0
+            for effect in self.components[member.component].forms[member.form].effects:
+                own = slice(at, at := at + len(effect.params))
+                if step := stands_anew(effect):
+                    size = made_mm(self.fit, self.reduced, self.members, i, own)
+                    found.append(Step(step.kind, int(step.first), 1e-3 * size))
+        return sorted(found, key=lambda step: -step.size)
 
     def _shown(self, i: int) -> tuple[bool, float]:
         """Whether the fit's i-th effect shows, and how large it is."""
@@ -133,10 +139,12 @@ class Selection:
         return made_mm(self.fit, self.reduced, members, members.index(member))
 
 
-def made_mm(fit: Fit, reduced: Reduced, members: Sequence[Member], i: int) -> float:
-    """RMS length [mm] of what the i-th of some members makes of the points."""
+def made_mm(
+    fit: Fit, reduced: Reduced, members: Sequence[Member], i: int, part: slice = slice(None)
+) -> float:
+    """RMS length [mm] of what the i-th of some members, or a part of its numbers, makes of the points."""
     chosen = Chosen(reduced, members)
-    index, beta = chosen.index[chosen.own[i]], chosen.beta[chosen.own[i]]
+    index, beta = chosen.index[chosen.own[i]][part], chosen.beta[chosen.own[i]][part]
     S = reduced.S.between(index, index)
     return 1e3 * fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / reduced.dof))
 

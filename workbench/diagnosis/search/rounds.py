@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,7 +14,6 @@ from ...effects.unnamed.joints import Product
 from ...identification.fit import ROUGH, Fit, refit
 from ...identification.heldout import heldout
 from ...identification.noise import Covariance, log_precision
-from ..data_faults.moved_setup import likely_steps
 from ..noise.noise_choice import from_residual
 from ..noise.scatter import CLEAR, alike, beyond_all, with_scatter
 from ..weighing.acts_through import needs_of
@@ -28,6 +27,7 @@ from ..weighing.components import (
     nameless_components,
     step_components,
 )
+from ..weighing.places_of_steps import likely_steps
 from ..weighing.reduced import Index, reduce
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder, remainder
 from ..weighing.replication import enough_for_halves
@@ -76,10 +76,10 @@ class Round:
 
 @dataclass(frozen=True, eq=False)
 class Begun:
-    """What a search goes on from: a fit, labels of the components of a set, gear lines."""
+    """What a search goes on from: a fit, a set by the labels of its components, gear lines."""
 
     at: Fit
-    labels: Sequence[str] = ()
+    members: Mapping[str, Member] = field(default_factory=dict)
     lines: Sequence[Line] = ()
 
 
@@ -121,7 +121,7 @@ def _converged(
     is there beside it.
     A set that stays is judged at its own fit.
     """
-    at, labels, lines = begun.at, begun.labels, begun.lines
+    at, there, lines = begun.at, begun.members, begun.lines
     base, whole, errors, before = geometry.noise, at, list[float](), set(at.model.effects)
     stated = base
     best = None
@@ -129,12 +129,12 @@ def _converged(
         lines = _with_lines(whole, lines)
         steps = list(likely_steps(whole.lasting))
         competition = _competition(at, candidates, lines, steps, base, noise_dof)
-        members = competition.best(labels)
+        members = competition.best(there)
         effects = effects_of(competition, members)
         scaled = scaled_of(competition, members)
         beside = list(beside_forms(scaled, at.model.problem, effects))
         bands = list(beside_forms([one for one in scaled if one[0].ordered], at.model.problem, effects))
-        labels = [competition.components[m.component].label for m in members]
+        there = competition.labelled(members)
         if not noise_known:
             at_base = refitted(replace(at, noise=base), [*effects, *beside])
             base = from_residual(at_base)[0]
@@ -227,7 +227,7 @@ def _competition(
     at: Fit,
     candidates: Sequence[Effect],
     lines: Sequence[Line],
-    steps: Sequence[tuple[Effect, float]],
+    steps: Sequence[Sequence[tuple[Effect, float]]],
     base: Covariance,
     noise_dof: float,
 ) -> Competition:
@@ -248,8 +248,8 @@ def _misfit(left: Remainder, noise_dof: float) -> float:
 
 
 def _no_better(errors: Sequence[float]) -> bool:
-    """Whether the last two rounds were no better than the best before them."""
-    return len(errors) > 2 and min(errors[-2:]) > BETTER * min(errors[:-2])
+    """Whether the last of some rounds was no better than the best before it."""
+    return len(errors) > 2 and errors[-1] > BETTER * min(errors[:-1])
 
 
 def effects_of(competition: Competition, members: Sequence[Member]) -> list[Effect]:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import accumulate, pairwise
+from operator import mul
 
 import numpy as np
 
@@ -204,14 +205,18 @@ def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:
     return Component((effect.cause, effect.where), forms, float(np.log(odds)))
 
 
-def step_components(fit: Fit, steps: Sequence[tuple[Effect, float]]) -> list[Component]:
-    """Steps at the places where each explains most, with the share of all places that these are; those of one
-    kind share its probability."""
-    counts = Counter(type(step) for step, _ in steps)
-    return [
-        Component(step.key, (form_of(fit, (step,)),), float(np.log(PRIORS.free * share / counts[type(step)])))
-        for step, share in steps
-    ]
+def step_components(fit: Fit, steps: Sequence[Sequence[tuple[Effect, float]]]) -> list[Component]:
+    """Steps at the places where each explains most beside those before it, with the share of all places that
+    these are: of a kind, which shares its probability with those like it, the first, and forms with more."""
+    counts = Counter(type(own[0][0]) for own in steps)
+    out = []
+    for own in steps:
+        each = [step for step, _ in own]
+        more = accumulate((PRIORS.free * share for _, share in own[1:]), mul, initial=1.0)
+        forms = [replace(form_of(fit, (*each[: k + 1],)), weight=w) for k, w in enumerate(more)]
+        odds = PRIORS.free * own[0][1] / counts[type(each[0])]
+        out.append(Component(each[0].key, tuple(forms), float(np.log(odds))))
+    return out
 
 
 def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component]:

@@ -18,7 +18,7 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...robot.kinematics import Arm, Array, Frames
 from ...robot.loads import Loads
-from ..base import SURELY, Depends, Param, motion_said
+from ..base import SURELY, Depends, Param, motion_said, short
 from ..kinds import DirectEffect, InstrumentEffect, LoadEffect
 from ..masses import mass_wrench, usually_mounted
 from ..place import Parameter, Where
@@ -123,7 +123,7 @@ class ScaleAnew(Anew, InstrumentEffect):
         moved = _surely(values, std)
 
         def said(k: int, value: float, spread: float) -> str:
-            size = f"{1e6 * abs(value):.0f} ppm (± {1e6 * spread:.1g} ppm)"
+            size = f"{1e6 * abs(value):.0f} ppm (± {short(1e6 * spread)} ppm)"
             longer, warmer = ("longer", "warmer") if value > 0 else ("shorter", "colder")
             what = f"lengths in {names[k]} are {size} {longer} than in {names[-1]}"
             return f"{what}: the instrument's scale, or a {warmer} arm"

@@ -39,10 +39,14 @@ class Stepping(Unnamed, DirectEffect):
         return np.arange(len(problem.q), dtype=float)
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
+        return each(self.columns(problem), self.after(problem))
+
+    def after(self, problem: Problem) -> Array:
+        """(N, 1) 1 in the poses after it, 0 in others."""
         after = np.zeros((len(problem.q), 1))
         (own,) = (own for own in self.stretches(problem) if int(self.first) in own)
         after[own[own >= self.first]] = 1.0
-        return each(self.columns(problem), after)
+        return after
 
     def stretches(self, problem: Problem) -> Sequence[Index]:
         """Numbers of the poses (K,) of each stretch, at the end of which a step ends: the campaign."""
