@@ -116,7 +116,8 @@ def _mended(prepared: Prepared, found: Searched) -> tuple[Prepared | None, Selec
     problem, moved = changed_between(selection)
     if moved:
         return prepared.counted(problem, moved), None
-    sure = [step for step in selection.steps if by_no_chance(selection.fit.lasting, step)]
+    steps, near = selection.steps, selection.fit.lasting
+    sure = [step for step in steps if by_no_chance(near, step, [one for one in steps if one is not step])]
     return (prepared.split(sure), selection) if sure else (None, None)
 
 

@@ -78,15 +78,25 @@ def step_in_time(result: Fit) -> Step | None:
     return step
 
 
-def by_no_chance(result: Fit, step: Step) -> bool:
-    """Whether a step, beside a fit without it, takes clearly more off χ² than one does where the order of
-    measurement is drawn at random: what a model lacks looks like steps too."""
+def by_no_chance(result: Fit, step: Step, others: Sequence[Step]) -> bool:
+    """Whether a step, beside others and a fit without any, takes clearly more off χ² than one does where the
+    order of measurement is drawn at random: what a model lacks looks like steps too."""
+    taken = Taken.by(result)
+    for other in others:
+        taken = taken.and_of(_of_setup(result, other, from_there=True))
+    base = _of_setup(result, step)
+    own, possible = np.flatnonzero(base.any(axis=(1, 2))), places(result.model.problem.positions)
+    gain = gains_of(*prefix(taken, base, own))[int(np.searchsorted(own, step.first))]
+    return bool(gain > CLEARLY * by_chance(result, base, possible, taken))
+
+
+def _of_setup(result: Fit, step: Step, from_there: bool = False) -> Array:
+    """(N, D, 6) whitened motions that a step is made of, in the poses of its set-up; or only from it on."""
     setup = result.model.problem.campaign.poses.setup
-    here = (setup == setup[step.first])[:, None, None]
-    base = np.where(here, np.matmul(result.whitener, _motions(result)[step.kind]), 0.0)
-    own, possible = np.flatnonzero(here), places(result.model.problem.positions)
-    gain = gains_of(*prefix(Taken.by(result), base, own))[int(np.searchsorted(own, step.first))]
-    return bool(gain > CLEARLY * by_chance(result, base, possible))
+    here = setup == setup[step.first]
+    if from_there:
+        here &= np.arange(len(setup)) >= step.first
+    return np.where(here[:, None, None], np.matmul(result.whitener, _motions(result)[step.kind]), 0.0)
 
 
 def _motions(result: Fit) -> dict[DataFault, Array]:
@@ -172,7 +182,7 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
     if _beside_joints(result, step) < 60 * scatter:
         return None
     alike = scatter > 1.0 or result.model.problem.rounded  # in a run the errors of rounding are
-    if alike and gain < CLEARLY * by_chance(result, base, possible):
+    if alike and gain < CLEARLY * by_chance(result, base, possible, Taken.by(result)):
         return None
     size, std = _size(result, columns, *(of[first] for of in before))
     return Step(kind, first, size, gain) if size > SURE * std * np.sqrt(scatter) else None

@@ -97,11 +97,11 @@ def _half_of(S: Array, own: Array) -> Array:
     return np.asarray(axes / np.sqrt(size)[..., None, :] / length[..., :, None])
 
 
-def by_chance(result: Fit, base: Array, possible: Sequence[int]) -> float:
+def by_chance(result: Fit, base: Array, possible: Sequence[int], taken: Taken) -> float:
     """The most that a step takes off χ² in the middle one of some orders of the positions, drawn at random:
     what a model lacks is alike in a pose's points and in its repeats, and looks more like a step than as many
     independent errors do. So it does along a path and while most joints are held: such runs stay whole."""
-    problem, rng, taken = result.model.problem, np.random.default_rng(0), Taken.by(result)
+    problem, rng = result.model.problem, np.random.default_rng(0)
     together = _alike(problem)
     most = []
     for _ in range(ORDERS):
