@@ -248,8 +248,8 @@ def _misfit(left: Remainder, noise_dof: float) -> float:
 
 
 def _no_better(errors: Sequence[float]) -> bool:
-    """Whether the last of some rounds was no better than the best before it."""
-    return len(errors) > 2 and errors[-1] > BETTER * min(errors[:-1])
+    """Whether the last two rounds were no better than the best before them."""
+    return len(errors) > 2 and min(errors[-2:]) > BETTER * min(errors[:-2])
 
 
 def effects_of(competition: Competition, members: Sequence[Member]) -> list[Effect]:
