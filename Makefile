@@ -38,7 +38,7 @@ example: demo
 		reports/demo/index.html > reports/example/index.html
 
 test: $(STAMP)
-	$(RUN)python -m pytest -n 2 --dist worksteal -m "not slow" $(PYTEST_ARGS)
+	$(RUN)python -m pytest -n 2 --dist loadfile -m "not slow" $(PYTEST_ARGS)
 
 test-all: $(STAMP)
 	$(RUN)python -m pytest -n 2 $(PYTEST_ARGS)
