@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -170,14 +169,9 @@ class Competition:
     def _again(self, before: Mapping[str, Member]) -> list[Member]:
         """What was there before, and what is certain, each in its likeliest form beside the others."""
         known = {component.label: k for k, component in enumerate(self.components)} if before else {}
-        there = {known[label]: member for label, member in before.items() if label in known}
-        new = sorted(self.certain - there.keys())
-        weights = zip(new, self.forms.weigh(Chosen(self.reduced, []), new), strict=True)
-        members = [Member(k, weight.form, weight.scale) for k, weight in weights]
-        for k, member in there.items():
-            members.append(
-                replace(member, component=k, form=min(member.form, len(self.components[k].forms) - 1))
-            )
+        here = list(dict.fromkeys([*sorted(self.certain), *(known[one] for one in before if one in known)]))
+        weights = self.forms.weigh(Chosen(self.reduced, []), here)
+        members = [Member(k, weight.form, weight.scale) for k, weight in zip(here, weights, strict=True)]
         return self.exchanged(members, self._only(*members))
 
     def _only(self, *members: Member) -> Mask:
