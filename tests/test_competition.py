@@ -299,13 +299,13 @@ def test_what_has_no_name_is_corrected_and_kept_in_the_model(tmp_path):
 
 def test_a_set_is_found_again_with_what_needs_one_another(competition):
     """As a load and what alone yields to it: neither has a weight without the other, and both stay."""
-    best = competition.best()
-    members = [member.component for member in best]
+    members = [member.component for member in competition.best()]
     first, last = members[0], members[-1]
     needs = {first: frozenset([last]), last: frozenset([first])}
     tied = Competition(competition.reduced, competition.components, needs)
     assert not {first, last} & set(tied.beside(Chosen(competition.reduced, [])))
-    assert [member.component for member in tied.best(competition.labelled(best))] == members
+    labels = [competition.components[k].label for k in members]
+    assert [member.component for member in tied.best(labels)] == members
 
 
 def test_products_that_are_worked_out_from_rows_are_those_that_are_stored():

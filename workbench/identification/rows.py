@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..campaign.problem import Problem
 from ..effects.base import Effect
@@ -125,20 +124,6 @@ def offset_of(model: Model, cols: Columns, state: State) -> Array:
     return out / cols.prior
 
 
-@dataclass(frozen=True)
-class _Whitened:
-    """Derivatives as effects ask for them, of whitened rows."""
-
-    prediction: Prediction
-    direct: Array
-    torque: Array
-    rows: NDArray[np.int64]
-
-    @classmethod
-    def of(cls, line: Linearisation, W: Array) -> _Whitened:
-        return cls(line.prediction, np.matmul(W, line.direct), np.matmul(W, line.torque), line.rows)
-
-
 def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: Array | None) -> Array:
     """(N, D, P) Jacobian, whitened by W (N, D, R); None: as it is (D = R). What effects do of the motions of
     slots they do of whitened ones as well: these are far fewer than the columns of all effects."""
@@ -163,15 +148,16 @@ def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: 
         for i, item in enumerate(model.given)
     ]
     effects = [*given, *zip(model.effects, state.values, cols.effect, strict=True)]
-    slopes = None if W is None or not effects else _Whitened.of(line, W)
+    slopes = line
+    if W is not None and effects:
+        slopes = replace(line, loaded=np.matmul(W, line.direct), torque=np.matmul(W, line.torque))
     J = np.empty((n_poses, rows if W is None else W.shape[1], len(cols.names)))
     J[:, :, : fixed.shape[2]] = fixed if W is None else np.matmul(W, fixed)
     for effect, values, part in effects:
-        if slopes is not None and _by_slopes(effect, model.problem):
+        if W is None or _by_slopes(effect, model.problem):
             J[:, :, part] = effect.jacobian(model.problem, slopes, values)
         else:
-            own = effect.jacobian(model.problem, line, values)
-            J[:, :, part] = own if W is None else np.matmul(W, own)
+            J[:, :, part] = np.matmul(W, effect.jacobian(model.problem, line, values))
     return J
 
 

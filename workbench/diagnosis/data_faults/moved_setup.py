@@ -30,7 +30,7 @@ from ...identification.registration import (
 )
 from ...robot.kinematics import Array
 from ..result import FaultFound
-from ..weighing.places_of_steps import CLEARLY, Taken, by_chance, gains_of, places, prefix
+from ..weighing.places_of_steps import CLEARLY, Taken, by_chance, gains_of, half_of, places, prefix
 from ..weighing.screen import SURVIVES, effective_dof, quadratic, reduce_columns
 from .sag import sag
 
@@ -191,11 +191,7 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
 def _size(result: Fit, columns: Array, S: Array, u: Array, own: Array) -> tuple[float, float]:
     """How far the points move by a step, rms [m], and the standard deviation of that. What the background
     swallows of the step moves nothing."""
-    length = np.sqrt(np.maximum(own, 1e-300))
-    values, axes = np.linalg.eigh(S / np.outer(length, length))
-    kept = values > SURVIVES
-    half = axes[:, kept] / np.sqrt(values[kept]) / length[:, None]  # (6, r): S⁺ is half @ halfᵀ
-    seen = result.model.problem.seen
+    seen, half = result.model.problem.seen, half_of(S, own)
     at_points = np.matmul(columns[:, : 3 * seen.shape[1]], half).reshape(*seen.shape, 3, -1)[seen]
     moved = at_points @ (half.T @ u)
     rms, std = (float(np.sqrt((by**2).sum() / len(moved))) for by in (moved, at_points))

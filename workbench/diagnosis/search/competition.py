@@ -99,14 +99,14 @@ class Selection:
         """What a search may begin with once steps are set-ups of their own. near: a fit of these."""
         effects, names = self.fit.model.effects, near.model.problem.arm.names
         kept = [e for e in effects if e not in self.beside and stands_anew(e) is None]
-        of = {self.components[member.component]: member for member in self.members}
-        members = {one.label: member for one, member in of.items() if stands_anew(one.effect) is None}
+        components = [self.components[member.component] for member in self.members]
+        labels = [one.label for one in components if stands_anew(one.effect) is None]
         lines = [
             Line(names.index(str(e.where.joint)), e.where.order, self.fit.wald(i))
             for i, e in enumerate(effects)
             if e in kept and e.where.order is not None
         ]
-        return Begun(standing(replace(near, noise=self.fit.noise), kept), members, lines)
+        return Begun(standing(replace(near, noise=self.fit.noise), kept), labels, lines)
 
     @property
     def steps(self) -> list[Step]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -76,10 +76,10 @@ class Round:
 
 @dataclass(frozen=True, eq=False)
 class Begun:
-    """What a search goes on from: a fit, a set by the labels of its components, gear lines."""
+    """What a search goes on from: a fit, labels of the components of a set, gear lines."""
 
     at: Fit
-    members: Mapping[str, Member] = field(default_factory=dict)
+    labels: Sequence[str] = ()
     lines: Sequence[Line] = ()
 
 
@@ -121,7 +121,7 @@ def _converged(
     is there beside it.
     A set that stays is judged at its own fit.
     """
-    at, there, lines = begun.at, begun.members, begun.lines
+    at, labels, lines = begun.at, begun.labels, begun.lines
     base, whole, errors, before = geometry.noise, at, list[float](), set(at.model.effects)
     stated = base
     best = None
@@ -129,12 +129,12 @@ def _converged(
         lines = _with_lines(whole, lines)
         steps = list(likely_steps(whole.lasting))
         competition = _competition(at, candidates, lines, steps, base, noise_dof)
-        members = competition.best(there)
+        members = competition.best(labels)
         effects = effects_of(competition, members)
         scaled = scaled_of(competition, members)
         beside = list(beside_forms(scaled, at.model.problem, effects))
         bands = list(beside_forms([one for one in scaled if one[0].ordered], at.model.problem, effects))
-        there = competition.labelled(members)
+        labels = [competition.components[m.component].label for m in members]
         if not noise_known:
             at_base = refitted(replace(at, noise=base), [*effects, *beside])
             base = from_residual(at_base)[0]

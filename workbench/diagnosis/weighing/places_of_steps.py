@@ -38,15 +38,11 @@ class Taken:
     def by(cls, fit: Fit) -> Taken:
         return cls(fit.own_axes, still_to_go(fit), fit.r)
 
-    def of(self, columns: Array) -> Array:
-        """(P, m) of columns (N, D, m)."""
-        return np.tensordot(self.axes, columns, axes=([0, 1], [0, 1]))
-
     def and_of(self, columns: Array) -> Taken:
         """With columns (N, D, m) beside it."""
-        Z, flat = self.of(columns), columns.reshape(-1, columns.shape[2])
-        own = np.diag(gram := flat.T @ flat)
-        half = _half_of(gram - Z.T @ Z, own)
+        flat = columns.reshape(-1, columns.shape[2])
+        Z, gram = self.axes.reshape(len(flat), -1).T @ flat, flat.T @ flat
+        half = half_of(gram - Z.T @ Z, np.diag(gram))
         axes = (columns - self.axes @ Z) @ half
         to_go = half.T @ (flat.T @ self.r.ravel() - Z.T @ self.to_go)
         return Taken(np.concatenate([self.axes, axes], axis=2), np.concatenate([self.to_go, to_go]), self.r)
@@ -85,11 +81,11 @@ def likely_steps(result: Fit) -> Iterator[list[tuple[Effect, float]]]:
 def gains_of(S: Array, u: Array, own: Array) -> Array:
     """(K,) what each of K steps takes off χ², of S (K, m, m), u (K, m) and own (K, m) as `quadratic` has
     them."""
-    half = _half_of(S, own)
+    half = half_of(S, own)
     return np.asarray(((half.swapaxes(1, 2) @ u[..., None]) ** 2).sum(axis=(1, 2)))
 
 
-def _half_of(S: Array, own: Array) -> Array:
+def half_of(S: Array, own: Array) -> Array:
     """(..., m, m) H with H Hᵀ = S⁺ of S (..., m, m), without what was swallowed of lengths² own (..., m)."""
     length = np.sqrt(np.maximum(own, 1e-300))
     values, axes = np.linalg.eigh(S / (length[..., :, None] * length[..., None, :]))

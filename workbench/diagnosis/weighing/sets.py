@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,10 +66,10 @@ class Competition:
         prior = sum(prior_weight(self.components[m.component], m.form, m.scale) for m in chosen.members)
         return float(prior - 0.5 * chosen.log_determinant)
 
-    def best(self, before: Mapping[str, Member] | None = None) -> list[Member]:
+    def best(self, before: Sequence[str] = ()) -> list[Member]:
         """The best of three searches: everything at once; causes first, then everything; and what yields
         first, which one load hardly tells from heavier masses and stiffer joints elsewhere. Where a set was
-        found before (`labelled`), the search goes on from there. In the order of the
+        found before (labels of its components), the search goes on from there. In the order of the
         components: two searches that end at one set are one, and what follows does not hang on rounding.
         What is certain to be there is in every set, and left out at the end where it shows nothing."""
         everything = np.ones(len(self.components), bool)
@@ -77,7 +77,7 @@ class Competition:
             return self._showing(self._settled(self.search(self._again(before), everything)))
         causes = np.array([not c.nameless or c.certain for c in self.components], bool)
         yields = np.array([c.yields or c.certain for c in self.components], bool)
-        there = self._again({})
+        there = self._again([])
         found = [self.search(there, everything)]
         for some in (causes, yields):
             if not all(some[m.component] for m in found[0]) and (begun := self.search(there, some)) != there:
@@ -162,14 +162,11 @@ class Competition:
     def _in_order(members: list[Member]) -> list[Member]:
         return sorted(members, key=lambda member: member.component)
 
-    def labelled(self, members: Iterable[Member]) -> dict[str, Member]:
-        """Members by the labels of their components, by which other competitions know them."""
-        return {self.components[member.component].label: member for member in members}
-
-    def _again(self, before: Mapping[str, Member]) -> list[Member]:
-        """What was there before, and what is certain, each in its likeliest form beside the others."""
-        known = {component.label: k for k, component in enumerate(self.components)} if before else {}
-        here = list(dict.fromkeys([*sorted(self.certain), *(known[one] for one in before if one in known)]))
+    def _again(self, labels: Sequence[str]) -> list[Member]:
+        """The components with these labels, and those that are certain, each in its likeliest form
+        beside the others."""
+        known = {component.label: k for k, component in enumerate(self.components)} if labels else {}
+        here = list(dict.fromkeys([*sorted(self.certain), *(known[one] for one in labels if one in known)]))
         weights = self.forms.weigh(Chosen(self.reduced, []), here)
         members = [Member(k, weight.form, weight.scale) for k, weight in zip(here, weights, strict=True)]
         return self.exchanged(members, self._only(*members))
