@@ -35,6 +35,25 @@ def test_a_zero_that_steps_is_told_with_its_pose_and_size(effects):
     assert [c.cause for c in found.causes if c.status == "named"] == ["gear_eccentricity"] * len(effects)
 
 
+def test_each_step_of_a_zero_is_told_with_its_own_size():
+    """As where an encoder slips, and is set anew later."""
+
+    def twice(problem):
+        off = stepped(problem)
+        off[FIRST + 10 :] *= 1.75
+        return off
+
+    campaign = measured("ur5", (), poses=POSES, loads=(), targets=3, joints=twice)
+    (what,) = diagnose(campaign).diagnosis.causes
+    told = re.findall(r"elbow_joint steps by (\d+) µrad before pose (\w+)\)", what.structure)
+    sizes = {pose: float(size) for size, pose in told}
+    ids = campaign.poses.ids
+    assert sizes == {
+        ids[FIRST]: pytest.approx(1e6 * STEP, rel=0.1),
+        ids[FIRST + 10]: pytest.approx(0.75e6 * STEP, rel=0.1),
+    }
+
+
 def test_a_sound_robot_has_no_such_step():
     found = diagnose(measured("ur5", (), poses=POSES, loads=(), targets=3)).diagnosis
     assert found.verdict == "nothing_missing"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 
@@ -112,16 +112,20 @@ class Selection:
     def steps(self) -> list[Step]:
         """Steps in time that are as sure as what has a name, the largest first."""
         found = list[Step]()
-        for i, (member, share) in enumerate(zip(self.members, self.shares, strict=True)):
-            if share[member.component] < PRIORS.named:
-                continue
-            at = 0
-            for effect in self.components[member.component].forms[member.form].effects:
-                own = slice(at, at := at + len(effect.params))
-                if step := stands_anew(effect):
-                    size = made_mm(self.fit, self.reduced, self.members, i, own)
-                    found.append(Step(step.kind, int(step.first), 1e-3 * size))
+        for member, share in zip(self.members, self.shares, strict=True):
+            for effect, size_mm in self.each_of(member):
+                step = stands_anew(effect)
+                if step and share[member.component] >= PRIORS.named:
+                    found.append(Step(step.kind, int(step.first), 1e-3 * size_mm))
         return sorted(found, key=lambda step: -step.size)
+
+    def each_of(self, member: Member) -> Iterator[tuple[Effect, float]]:
+        """The effects of a member's form, as the fit has them, and the RMS length [mm] of what each makes of
+        the points."""
+        at = 0
+        for effect in self.components[member.component].forms[member.form].effects:
+            own = slice(at, at := at + len(effect.params))
+            yield effect.sized(member.scale), self.worth_mm(member, own)
 
     def _shown(self, i: int) -> tuple[bool, float]:
         """Whether the fit's i-th effect shows, and how large it is."""
@@ -133,10 +137,10 @@ class Selection:
         named = {i for _, own in self.groups for i in own}
         return [i for i in range(len(self.fit.model.effects)) if i not in named]
 
-    def worth_mm(self, member: Member) -> float:
-        """RMS length [mm] of what a member makes of the points."""
+    def worth_mm(self, member: Member, part: slice = slice(None)) -> float:
+        """RMS length [mm] of what a member, or a part of its numbers, makes of the points."""
         members = self.members if member in self.members else [member]
-        return made_mm(self.fit, self.reduced, members, members.index(member))
+        return made_mm(self.fit, self.reduced, members, members.index(member), part)
 
 
 def made_mm(

@@ -68,7 +68,7 @@ def structure_evidence(result: Fit, function: Unnamed) -> Evidence:
 def _taken(result: Fit, function: Unnamed) -> tuple[Array, Array]:
     """(N, D) whitened: what a function takes of the data, and the data without everything else."""
     for effect, values in zip(result.model.effects, result.state.values, strict=True):
-        if (effect.key, effect.variant) == (function.key, function.variant):
+        if effect == function:
             G = result.model.effect_jacobian(result.line, effect, values)
             moved = result.beyond_background(np.matmul(result.whitener, (G @ values)[..., None])[..., 0])
             return moved, result.r + moved

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...effects.base import UNKNOWN, motion_said
+from ...effects.base import UNKNOWN, Effect, motion_said
 from ...effects.place import NOWHERE, Where
 from ...effects.unnamed import Unnamed
 from ...identification.fit import Fit
@@ -36,11 +36,10 @@ def nameless_of(selection: Selection, worth_mm: float) -> list[Finding]:
     for member, share in zip(selection.members, selection.shares, strict=True):
         component = selection.components[member.component]
         if component.nameless and share[None] < PRIORS.absent:
-            (function,) = component.forms[0].effects
-            assert isinstance(function, Unnamed)
-            worth = selection.worth_mm(member)
-            own = _unknown(selection.fit, function, share[member.component], worth)
-            found.append(replace(own, rivals=_with_names(selection.components, share)))
+            for function, worth in selection.each_of(member):
+                assert isinstance(function, Unnamed)
+                own = _unknown(selection.fit, function, share[member.component], worth)
+                found.append(replace(own, rivals=_with_names(selection.components, share)))
     for member in selection.unrepeated:
         label = _in_words(selection.components[member.component])
         worth = selection.worth_mm(member)
@@ -151,8 +150,7 @@ def _plain(structure: str, sentence: str, where: Where, worth_mm: float) -> Find
 
 
 def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) -> Finding:
-    own = {(e.key, e.variant): v for e, v in zip(final.model.effects, final.state.values, strict=True)}
-    value = own.get((function.key, function.variant))
+    value = dict[Effect, Array](zip(final.model.effects, final.state.values, strict=True)).get(function)
     structure = f"depends on {function.variable if value is None else function.found(value)}"
     return Finding(
         cause=UNKNOWN,
