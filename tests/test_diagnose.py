@@ -10,10 +10,11 @@ from diagnosis_cases import SIGMA, assert_slopes, found, measured, named, robot,
 
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.result import Diagnosis, Finding, Rival, Stage
+from workbench.diagnosis.result import Diagnosis, FaultFound, Finding, Rival, Stage
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.telling.evidence import structure_evidence
 from workbench.diagnosis.telling.headline import Errors, headline
+from workbench.diagnosis.telling.headline import steps as said_of_steps
 from workbench.effects.backlash import Backlash
 from workbench.effects.place import Where
 from workbench.effects.records import from_record, record
@@ -253,6 +254,23 @@ def test_what_geometry_can_make_is_not_shown_as_left():
     moved = result.model.effect_jacobian(result.line, wobble, values) @ values
     shown = structure_evidence(replace(result, state=replace(result.state, values=(values,))), wobble)
     assert np.sqrt(np.mean(shown.before**2)) < 0.2 * 1e3 * np.sqrt(np.mean((moved**2).sum(axis=1)))
+
+
+def test_what_steps_several_times_is_said_once() -> None:
+    def frame(size: str, pose: str) -> FaultFound:
+        return FaultFound("moved_instrument", pose, None, f"the frame steps by {size} mm before this pose")
+
+    faults = [
+        frame("0.02", "277"),
+        FaultFound("changed_scale", "1", None, "the scale of day 2 is off"),
+        FaultFound("outlier", "9", "T1", "4 mm off"),
+        frame("0.04", "841"),
+    ]
+    assert said_of_steps(faults) == (
+        " In these data the frame steps by 0.02 mm before pose 277 and 0.04 mm before pose 841; the scale of "
+        "day 2 is off."
+    )
+    assert said_of_steps(faults[2:3]) == ""
 
 
 def test_functions_without_a_name_say_what_they_are_about():

@@ -163,9 +163,15 @@ def shows_in(prepared: Prepared, left: Remainder, noise_mm: float) -> str:
 
 
 def steps(faults: Sequence[FaultFound]) -> str:
-    """What moved among the campaign's set-up, as a sentence behind a headline; nothing where nothing did."""
-    moved = [f.what.replace("this pose", f"pose {f.pose_id}") for f in faults if f.kind in STEPS]
-    return f" In these data {listed(moved)}." if moved else ""
+    """What moved among the campaign's set-up, as a sentence behind a headline; nothing where nothing did.
+    What steps several times is said once."""
+    moved = dict[str, list[str]]()
+    for fault in faults:
+        if fault.kind in STEPS:
+            what, by, how = fault.what.replace("this pose", f"pose {fault.pose_id}").partition(" by ")
+            moved.setdefault(what + by, []).append(how)
+    said = "; ".join(what + listed(how) for what, how in moved.items())
+    return f" In these data {said}." if said else ""
 
 
 def _times(ratio: float) -> str:
