@@ -11,6 +11,7 @@ from workbench.diagnosis.priors import PRIORS, varied
 from workbench.diagnosis.search.worth import _beyond
 from workbench.diagnosis.weighing.chosen import Chosen, Member
 from workbench.diagnosis.weighing.components import Component, Form, bare
+from workbench.diagnosis.weighing.forms import Forms
 from workbench.diagnosis.weighing.gram import Stored
 from workbench.diagnosis.weighing.patterns import Pattern
 from workbench.diagnosis.weighing.reduced import Reduced
@@ -20,6 +21,8 @@ from workbench.diagnosis.weighing.stand_ins import StandIns, times_too_sure
 from workbench.diagnosis.weighing.weight import SCALES, WEIGHTS, Weight, likelihood, table_of
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.joint_map import JointMap
+from workbench.effects.link_bending import LinkBending
+from workbench.effects.link_mass import LinkMass
 from workbench.effects.place import Where
 from workbench.effects.records import parse_effect
 from workbench.identification.fit import refit
@@ -207,7 +210,9 @@ def kin_odds(logs, by_companions):
     components = [Component((e.cause, e.where), (Form((), np.ones(1), (e,)),), -3.0) for e in effects]
     reduced = Reduced(parts, Stored(S), u, 1000.0, 900.0, 300.0)
     weights = {0: Weight(logs[0], 0, 1.0, by_companions), 1: Weight(logs[1], 0, 1.0)}
-    believed = StandIns(reduced, components).believed(Chosen(reduced, [Member(0, 0, 1.0)]), 0, weights, logs)
+    believed = StandIns(Forms(reduced, components), components).believed(
+        Chosen(reduced, [Member(0, 0, 1.0)]), 0, weights, logs
+    )
     return believed[0] - believed[1]
 
 
@@ -223,12 +228,35 @@ def test_what_explains_by_its_companions_alone_stands_in_for_nothing(plain):
     def of_them(own, companion):
         reduced = Reduced(parts, Stored(S), S @ [own, companion, 0.3], 1000.0, 900.0, 300.0)
         chosen = Chosen(reduced, [Member(1, 0, 3.0)])
-        return StandIns(reduced, components).believed(chosen, 0, weights, {0: 5.0, 1: 4.0})
+        return StandIns(Forms(reduced, components), components).believed(chosen, 0, weights, {0: 5.0, 1: 4.0})
 
     assert set(of_them(3.0, -3.05)) == {1}
     assert set(of_them(3.0, -1.0)) == {0, 1}
     with varied(itself=0.0):
         assert set(of_them(3.0, -3.05)) == {0, 1}
+
+
+def test_of_a_large_cause_companions_cost_no_more_than_their_gain_is_believed():
+    """A mass, and a bending link that moves all alike and has a companion that shows at five sigma: by 29
+    log odds, of which forms that are not quite true leave one; the companion's price shrinks with it."""
+    S = np.diag([1e4, 1.0, 1e4])
+    S[0, 2] = S[2, 0] = 1e4
+    effects = LinkBending(Where(link="link_1")), LinkMass(Where(link="link_2"), "mass", 1.0, 1.0)
+    forms = [Form((), np.ones(width), (e,)) for width, e in zip((2, 1), effects, strict=True)]
+    keys = [(e.cause, e.where) for e in effects]
+    components = [Component(key, (form,), -3.0) for key, form in zip(keys, forms, strict=True)]
+    reduced = Reduced(
+        ((slice(0, 2),), (slice(2, 3),)), Stored(S), np.array([17e3, 8.0, 17e3]), 3e4, 900.0, 300.0
+    )
+    own = Chosen(reduced, [Member(0, 0, 3.0)])
+    every = Forms(reduced, components)
+    weights = dict(enumerate(every.weigh(own, [0, 1], np.array([0, 0]))))
+    logs = {k: weight.log_odds for k, weight in weights.items()}
+    believed = StandIns(every, components).believed(own, 0, weights, logs)
+    assert logs[0] - logs[1] > 10
+    assert 0 < believed[0] - believed[1] < 2
+    sure = StandIns(every, components, frozenset({0})).believed(own, 0, weights, logs)
+    assert sure[0] - sure[1] > 5  # of two that yield half the odds
 
 
 def test_companions_take_their_share_of_what_is_left():

@@ -283,18 +283,26 @@ def _heldout_mm(best: Round, members: Sequence[Member]) -> float:
 
 
 def _no_excuse(best: Round, members: Sequence[Member], shares: Sequence[Shares]) -> list[Shares]:
-    """The shares, where a likelier name predicts worse than the member by surely more than forms miss: there
-    as if all were true to their forms."""
+    """The shares, where the likeliest other predicts worse in a member's place by surely more than forms
+    miss: there as if all were true to their forms. Where forms miss little, others that are less likely are
+    not asked."""
     competition, out = best.competition, list(shares)
+    chosen = Chosen(competition.reduced, members)
     for i, member in enumerate(members):
+        own = member.component
+        others = {k: p for k, p in shares[i].items() if k not in (own, None)}
+        k = max(others, key=lambda k: others[k], default=None)
+        small = PRIORS.form**2 * (chosen.explained - chosen.explained_without(i)) < 1.0
+        if k is None or shares[i][own] >= PRIORS.named or (small and others[k] < shares[i][own]):
+            continue
         alone: list[Shares] = [{m.component: 1.0} for m in members]
-        alone[i] = shares[i]
+        alone[i] = {k: 1.0}
         new, _ = renamed(competition, members, alone)
         if {m.component for m in new} == {m.component for m in members}:
             continue
         missed = SURELY * PRIORS.form * made_mm(best.found, competition.reduced, members, i)
         if _heldout_mm(best, new) ** 2 > _heldout_mm(best, members) ** 2 + missed**2:
-            out[i] = competition.shares(members, true=frozenset({member.component}))[i]
+            out[i] = competition.shares(members, true=frozenset({own}))[i]
     return out
 
 

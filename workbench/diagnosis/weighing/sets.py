@@ -267,7 +267,7 @@ class Competition:
         what is certain to be there.
         """
         out = []
-        chosen, stand_ins = Chosen(self.reduced, members), StandIns(self.reduced, self.components, true)
+        chosen, stand_ins = Chosen(self.reduced, members), StandIns(self.forms, self.components, true)
         anyway = {k: max(w.log_odds, 0.0) for k, w in self.beside(chosen).items()}
         least = np.array([anyway[k] + self.components[k].log_odds + EXPLAINS for k in anyway])
         most = self.forms.most(chosen, list(anyway), range(len(members))) if members else np.zeros((0, 0))

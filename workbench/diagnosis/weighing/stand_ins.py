@@ -11,7 +11,7 @@ from ...robot.kinematics import Array
 from ..priors import PRIORS
 from .chosen import Chosen
 from .components import Component, bare
-from .reduced import Reduced
+from .forms import Forms
 from .weight import Weight, likelihood
 
 SURELY = 3.0  # standard deviations
@@ -40,9 +40,10 @@ class StandIns:
     """
 
     def __init__(
-        self, reduced: Reduced, components: Sequence[Component], true: frozenset[int] = frozenset()
+        self, forms: Forms, components: Sequence[Component], true: frozenset[int] = frozenset()
     ) -> None:
-        self.reduced, self.components, self.true = reduced, components, true
+        self.forms, self.components, self.true = forms, components, true
+        self.reduced = forms.reduced
 
     def believed(
         self, chosen: Chosen, i: int, weights: dict[int, Weight], logs: dict[int, float]
@@ -59,6 +60,7 @@ class StandIns:
             [] if own in self.true else [k for k in rivals if not self._pushes(chosen, i, k, weights[k])]
         )
         out = self._no_truer_than_forms(chosen, i, takes, logs, excused)
+        out |= self._nor_dearer(chosen, i, weights, logs, excused)
         for k in rivals:
             times = self._times_too_sure(k, own)
             if times == 1:
@@ -91,7 +93,7 @@ class StandIns:
         name, which have no form, may be worse. takes: what each takes off χ² there."""
         own, left = chosen.members[i].component, self.reduced
         rest = chosen.explained_without(i)
-        too_sure = 1 + PRIORS.form**2 * (chosen.explained - rest)
+        share = self._believed_share(chosen, i)
         slope = 0.5 * (left.noise_dof + left.dof) / max(left.noise_dof + left.chi2 - chosen.explained, 1.0)
         mine, out = takes[own], dict(logs)
         for k in rivals:
@@ -99,9 +101,33 @@ class StandIns:
             if self.components[k].nameless and theirs < mine:
                 continue
             better = float(likelihood(left, rest, np.array(theirs)) - likelihood(left, rest, np.array(mine)))
-            most = slope * abs(theirs - mine) / too_sure
+            most = slope * share * abs(theirs - mine)
             out[k] += float(np.clip(better, -most, most)) - better
         return out
+
+    def _nor_dearer(
+        self,
+        chosen: Chosen,
+        i: int,
+        weights: dict[int, Weight],
+        logs: dict[int, float],
+        rivals: Sequence[int],
+    ) -> dict[int, float]:
+        """log odds of rivals where what their freedom and the i-th member's costs counts as little as what they
+        take off χ². This is of those that bend an arm by its loads: what they have beside their forms is what
+        these miss, while a joint's own error is free to be any."""
+        own = chosen.members[i].component
+        causes = [k for k in rivals if self.components[k].by_loads] if self.components[own].by_loads else []
+        if not causes:
+            return {}
+        less = self.forms.less_sure(chosen, [own, *causes], i, self._believed_share(chosen, i))
+        mine = less[own] - weights[own].log_odds
+        return {k: logs[k] + less[k] - weights[k].log_odds - mine for k in causes}
+
+    @staticmethod
+    def _believed_share(chosen: Chosen, i: int) -> float:
+        """Of a difference in χ² in the i-th member's place, the share that is more than a form may miss."""
+        return 1 / (1 + PRIORS.form**2 * (chosen.explained - chosen.explained_without(i)))
 
     def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight, takes: float) -> bool:
         """Whether enough of what a component takes off χ² is the effect's own, and not its companions'."""
