@@ -113,9 +113,9 @@ class StandIns:
         logs: dict[int, float],
         rivals: Sequence[int],
     ) -> dict[int, float]:
-        """log odds of rivals where what their freedom and the i-th member's costs counts as little as what they
-        take off χ². This is of those that bend an arm by its loads: what they have beside their forms is what
-        these miss, while a joint's own error is free to be any."""
+        """log odds of rivals where what their freedom and the i-th member's costs counts as little as what
+        they take off χ². This is of those that bend an arm by its loads: what they have beside their forms is
+        what these miss, while a joint's own error is free to be any."""
         own = chosen.members[i].component
         causes = [k for k in rivals if self.components[k].by_loads] if self.components[own].by_loads else []
         if not causes:
