@@ -95,19 +95,11 @@ class LinkBending(LinearYield):
     def rarer(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """Some links do not bend alike in all directions."""
         uneven = [one for one in UnevenBending.sites(problem) if one.where == self.where]
-        return [(UNEVEN * self._usual(problem, one), one) for one in uneven]
-
-    def _usual(self, problem: Problem, uneven: OfLink) -> float:
-        """What a link usually bends by, over the usual size of what is uneven of that."""
-        if self.stated:
-            return self.params[0].typical * uneven.largest / uneven.size
-        return self.lever(problem.arm)
+        return [(UNEVEN * self.lever(problem.arm), one) for one in uneven]
 
     def _share(self, problem: Problem, own: OfLink) -> float:
         """What a link's own weight or the compensator bends it by, over the usual size of that, where the
         link is as soft as is usual; no more than what hangs on it does."""
-        if self.stated:
-            return self.params[0].typical * own.largest / own.size
         ends = np.linalg.norm(self.moved(problem)[:, :RX], axis=1)
         return own.largest / max(float(ends.max(initial=0.0)), own.largest)
 

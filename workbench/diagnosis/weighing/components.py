@@ -298,7 +298,7 @@ def beside_forms(
 def usual(fit: Fit, effect: Effect) -> Array:
     """(p,) usual sizes of an effect's parameters at a fit's loads, in a machine as coarse as its own."""
     size = np.array([p.typical for p in effect.params])
-    if effect.acts == "yielding" and not effect.stated:
+    if effect.acts == "yielding":
         size = usual_yield(fit, effect, size)
     return size * fit.model.problem.coarse
 
