@@ -22,8 +22,8 @@ from workbench import (
 )
 from workbench.campaign import join
 from workbench.campaign.planned import TARGETS
+from workbench.campaign.stepped import split_campaign
 from workbench.cli.main import main
-from workbench.diagnosis.data_faults.moved_setup import split_campaign
 from workbench.diagnosis.prepared import prepare
 from workbench.files.faults import InputError
 from workbench.identification.model_file import as_robot

@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...campaign import Campaign
-from ...campaign.data import after
 from ...campaign.in_motion import in_motion
 from ...campaign.problem import Problem
+from ...campaign.stepped import split_campaign
 from ...effects import catalogue
-from ...effects.base import Effect
+from ...effects.base import Effect, short
 from ...effects.coming_to_rest import SHARES, SOONEST, share_gone
 from ...effects.recorded import DataFault
 from ...effects.unnamed import unnamed
@@ -56,7 +55,7 @@ class Step:
     def fault(self, problem: Problem) -> FaultFound:
         """The step as a data fault of the pose that it comes before."""
         moved = {"moved_instrument": "the instrument's frame", "changed_setup": "the tool with its targets"}
-        what = f"{moved[self.kind]} steps by {self.size * 1e3:.2f} mm (at the targets) before this pose"
+        what = f"{moved[self.kind]} steps by {short(1e3 * self.size)} mm (at the targets) before this pose"
         name = problem.campaign.poses.ids[self.first]
         return FaultFound(self.kind, name, None, what, "frame and targets fitted anew from here on")
 
@@ -283,20 +282,3 @@ def split_setup(problem: Problem, first: int) -> Problem:
     """The problem with the poses from `first` on, of its set-up, in one of their own."""
     c = problem.campaign
     return replace(problem, campaign=split_campaign(c, first, int(c.poses.setup[first])))
-
-
-def split_campaign(c: Campaign, first: int, k: int = 0) -> Campaign:
-    """The campaign with the poses of its set-up k from `first` on in one of their own, which is the next."""
-    setup: NDArray[np.int64] = c.poses.setup.copy()
-    own = np.flatnonzero(setup == k)
-    last = c.poses.ids[own[own < first][-1]]
-    setup[setup > k] += 1
-    setup[own[own >= first]] = k + 1
-    names = *c.setup_names[: k + 1], f"{after(c.setup_names[k])}{last}", *c.setup_names[k + 1 :]
-    return replace(c.with_poses(setup=setup), setup_names=names)
-
-
-def was_split(name: str, names: Sequence[str]) -> bool:
-    """Whether a set-up of this name is one of two parts among these names: which one another campaign means
-    by it cannot be known."""
-    return any(other.startswith(after(name)) for other in names)

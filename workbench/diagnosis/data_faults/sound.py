@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign
 from ...campaign.problem import Problem, problem
+from ...campaign.stepped import split_campaign
 from ...effects.records import stated_effects
 from ...files.faults import Fault, InputError
 from ...identification.fit import Fit, fit, start_state
@@ -21,7 +22,7 @@ from ...robot.kinematics import Array
 from ..noise.noise_choice import choose, from_residual, of_distances, without_wild_repeats
 from ..result import FaultFound, Noise
 from .mistaken_loads import mistaken_loads
-from .moved_setup import LEAST_BEFORE, jump, split_campaign, split_setup, step_in_time
+from .moved_setup import LEAST_BEFORE, jump, split_setup, step_in_time
 from .moved_target import reseated
 from .rarely_seen import without_rarely_seen
 from .standstills import taken_together

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...campaign import Campaign, Target
 from ...campaign.other_tools import tool_as_in
 from ...campaign.problem import Problem
+from ...campaign.stepped import was_split
 from ...files.faults import Fault, InputError
 from ...identification.fit import Fit, fit
 from ...identification.model import Model, State
@@ -19,7 +20,6 @@ from ...identification.plausible import believed
 from ...identification.plausible.check import REFUSED
 from ...identification.registration import register, spread_of
 from ...robot.kinematics import Array
-from ..data_faults.moved_setup import was_split
 from ..data_faults.wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
 from ..result import FaultFound, TestFigures
 from .remarks_on_test import beyond_measured, elsewhere, nothing_new, worse

@@ -30,6 +30,7 @@ from ..set_up import fit_set_up
 from .left_out import RIGID, Leaver, tempered
 from .tempering import is_overstated, temper
 from .tool import ToolMotion, tool_motion, tool_points, tool_problem
+from .unsteady import unsteady
 
 SAMPLES = 100  # poses within the limits that say which directions move the tool
 FAINT = 0.01  # of the tool's spread at the measured poses: what leaving directions out may cost
@@ -92,7 +93,7 @@ def _uncertainty(result: Fit) -> Uncertainty | None:
         turn_measured=not idle.size,
         names=at.names,
         factor=factor_lines(factor),
-        rest=tempering.rest,
+        rest=float(np.hypot(tempering.rest, unsteady(result, on_flange))),
         repeatability=_numbers(result.noise.joint),
         tempering=tempering.factor,
         growth=tempering.growth,
