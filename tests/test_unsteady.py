@@ -17,7 +17,7 @@ from workbench.identification.noise import stated_noise
 from workbench.identification.prediction.of_fit import uncertainty
 from workbench.identification.prediction.unsteady import unsteady
 
-STEP = 3e-4  # m
+STEP = 1.5e-4  # m
 
 
 def fitted(campaign):
@@ -34,9 +34,9 @@ def steady():
     return measured("ur5", loads=(), poses=60)
 
 
-def stepped(campaign):
+def stepped(campaign, step=STEP):
     points = campaign.points.copy()
-    points[30:] += STEP * np.array([0.6, 0.0, 0.8])
+    points[30:] += step * np.array([0.6, 0.0, 0.8])
     return split_campaign(replace(campaign, points=points), 30)
 
 
@@ -53,6 +53,10 @@ def test_a_step_in_the_middle_strays_by_half_to_either_side(steady):
     assert strays(fitted(steady)) == 0.0
     assert strays(fitted(split_campaign(steady, 30))) < 0.3 * SIGMA
     assert strays(fitted(stepped(steady))) == pytest.approx(STEP / 2 / np.sqrt(3), rel=0.1)
+
+
+def test_an_instrument_that_was_pushed_is_no_habit(steady):
+    assert strays(fitted(stepped(steady, 2e-3))) == 0.0
 
 
 def test_bounds_have_what_strays(steady):

@@ -27,19 +27,15 @@ def was_split(name: str, names: Sequence[str]) -> bool:
     return any(other.startswith(after(name)) for other in names)
 
 
-def before_steps(names: Sequence[str]) -> list[int]:
-    """Of set-ups by their names, the number of the one that each was part of; its own, where of none."""
-    return [
+def together(c: Campaign) -> Campaign:
+    """The campaign with the set-ups that were split in one again; itself where none was."""
+    names = c.setup_names
+    whole = [
         next((j for j, other in enumerate(names[:i]) if name.startswith(after(other))), i)
         for i, name in enumerate(names)
     ]
-
-
-def together(c: Campaign) -> Campaign:
-    """The campaign with the set-ups that were split in one again; itself where none was."""
-    whole = before_steps(c.setup_names)
     kept = sorted(set(whole))
     if len(kept) == len(whole):
         return c
     setup = np.array([kept.index(k) for k in whole])[c.poses.setup]
-    return replace(c.with_poses(setup=setup), setup_names=tuple(c.setup_names[k] for k in kept))
+    return replace(c.with_poses(setup=setup), setup_names=tuple(names[k] for k in kept))
