@@ -1,4 +1,4 @@
-"""What moved for a time while a robot was measured is in the bounds of what its model foretells."""
+"""Steps of base or tool while a robot was measured are in the bounds of what its model foretells."""
 
 from dataclasses import replace
 
@@ -65,7 +65,8 @@ def test_bounds_have_what_strays(steady):
     assert moved.rest > 0.9 * STEP / 2 / np.sqrt(3)
 
 
-def test_a_drift_with_a_name_is_told_and_not_foretold(steady):
+def test_what_creeps_is_no_step(steady):
+    """A model is written without it: what it does is in what that leaves."""
     timed = steady.with_poses(time=60.0 * np.arange(len(steady.poses)))
     problem = problem_of(timed)
     drift = parse_effect("drift:variant=shift", problem)[0]

@@ -36,11 +36,12 @@ from ..weighing.replication import (
     shown_by,
 )
 from ..weighing.scan import Line
-from ..weighing.stand_ins import SURELY
+from ..weighing.stand_ins import SURELY, believed_share
 from .rounds import BETTER, CLEARER, LOOSE, Begun, Round, converged, effects_of, refitted, scaled_of, standing
 from .stages import Group, rms_mm
 
 SHOWS = 6.0  # χ²(2) of a gear's line: one of chance is as large once in twenty
+MOSTLY = 0.5  # of a difference in χ², from which forms miss little of it
 UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
 
 
@@ -292,7 +293,7 @@ def _no_excuse(best: Round, members: Sequence[Member], shares: Sequence[Shares])
         own = member.component
         others = {k: p for k, p in shares[i].items() if k not in (own, None)}
         k = max(others, key=lambda k: others[k], default=None)
-        small = PRIORS.form**2 * (chosen.explained - chosen.explained_without(i)) < 1.0
+        small = believed_share(chosen, i) > MOSTLY
         if k is None or shares[i][own] >= PRIORS.named or (small and others[k] < shares[i][own]):
             continue
         alone: list[Shares] = [{m.component: 1.0} for m in members]

@@ -29,6 +29,11 @@ def times_too_sure(one: Effect, other: Effect) -> float:
     return 1.0 if same else PRIORS.yields
 
 
+def believed_share(chosen: Chosen, i: int) -> float:
+    """Of a difference in χ² in the i-th member's place, the share that is more than a form may miss."""
+    return 1 / (1 + PRIORS.form**2 * (chosen.explained - chosen.explained_without(i)))
+
+
 class StandIns:
     """Components in each other's place at one linearisation.
 
@@ -59,8 +64,9 @@ class StandIns:
         excused = (
             [] if own in self.true else [k for k in rivals if not self._pushes(chosen, i, k, weights[k])]
         )
-        out = self._no_truer_than_forms(chosen, i, takes, logs, excused)
-        out |= self._nor_dearer(chosen, i, weights, logs, excused)
+        bending = [k for k in excused if self.components[k].by_loads] if self.components[own].by_loads else []
+        out = self._no_truer_than_forms(chosen, i, takes, logs, [k for k in excused if k not in bending])
+        out |= self._nor_dearer(chosen, i, weights, logs, bending)
         for k in rivals:
             times = self._times_too_sure(k, own)
             if times == 1:
@@ -93,7 +99,7 @@ class StandIns:
         name, which have no form, may be worse. takes: what each takes off χ² there."""
         own, left = chosen.members[i].component, self.reduced
         rest = chosen.explained_without(i)
-        share = self._believed_share(chosen, i)
+        share = believed_share(chosen, i)
         slope = 0.5 * (left.noise_dof + left.dof) / max(left.noise_dof + left.chi2 - chosen.explained, 1.0)
         mine, out = takes[own], dict(logs)
         for k in rivals:
@@ -116,18 +122,12 @@ class StandIns:
         """log odds of rivals where what their freedom and the i-th member's costs counts as little as what
         they take off χ². This is of those that bend an arm by its loads: what they have beside their forms is
         what these miss, while a joint's own error is free to be any."""
-        own = chosen.members[i].component
-        causes = [k for k in rivals if self.components[k].by_loads] if self.components[own].by_loads else []
-        if not causes:
+        if not rivals:
             return {}
-        less = self.forms.less_sure(chosen, [own, *causes], i, self._believed_share(chosen, i))
+        own = chosen.members[i].component
+        less = self.forms.less_sure(chosen, [own, *rivals], i, believed_share(chosen, i))
         mine = less[own] - weights[own].log_odds
-        return {k: logs[k] + less[k] - weights[k].log_odds - mine for k in causes}
-
-    @staticmethod
-    def _believed_share(chosen: Chosen, i: int) -> float:
-        """Of a difference in χ² in the i-th member's place, the share that is more than a form may miss."""
-        return 1 / (1 + PRIORS.form**2 * (chosen.explained - chosen.explained_without(i)))
+        return {k: logs[k] + less[k] - weights[k].log_odds - mine for k in rivals}
 
     def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight, takes: float) -> bool:
         """Whether enough of what a component takes off χ² is the effect's own, and not its companions'."""
