@@ -23,7 +23,7 @@ from ..weighing.chosen import Chosen
 from ..weighing.components import Component, Form, cause_components, nameless_components, sized
 from ..weighing.gram import Stored
 from ..weighing.patterns import once, products_of
-from ..weighing.reduced import Reduced, explained, slices_of
+from ..weighing.reduced import Reduced, explained, less, slices_of
 from ..weighing.screen import effective_dof
 from ..weighing.sets import Competition
 
@@ -68,7 +68,7 @@ def _worth_trying(final: Fit, components: Sequence[Component]) -> list[Form]:
     products = products_of(patterns, final.J * final.columns.prior, final.r, np.arange(len(final.r)))
     Z = solve_triangular(final.upper, products.JG, trans="T", check_finite=False)
     dof = effective_dof(final)
-    S = Stored(products.GG - Z.T @ Z, of, size)
+    S = Stored(less(products.GG, Z), of, size)
     reduced = Reduced(slices_of(components), S, products.Ge[of] * size, final.chi2, dof, 0.0)
     weights = Competition(reduced, components).beside(Chosen(reduced, []))
     return [

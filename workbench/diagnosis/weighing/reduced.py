@@ -16,6 +16,8 @@ from .components import Component, sized
 from .gram import Gram, Stored
 from .patterns import Index, Products, once, products_of
 
+ROWS = 200  # of products of all columns that are worked out at once
+
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
@@ -77,8 +79,8 @@ def explained(fit: Fit) -> Array:
 def without_background(
     J: Array, offset: Array, e: Array, rows: int, of: Products
 ) -> tuple[Array, Array, float, float]:
-    """S (g, g), u (g,), χ² and degrees of freedom that a background leaves of columns G, by their products,
-    and of data e (R,).
+    """S (g, g), u (g,), χ² and degrees of freedom that a background leaves of columns G, by their products
+    (S stands in the place of theirs), and of data e (R,).
 
     J: (R, n) the background in its priors, offset: (n,) how far it is from their means; rows: with data."""
     n = J.shape[1]
@@ -87,9 +89,15 @@ def without_background(
     z = solve_triangular(upper, J.T @ e - offset, trans="T", check_finite=False)
     inverse = solve_triangular(upper, np.eye(n), trans="T", check_finite=False)
     dof = rows - (n - float((inverse**2).sum()))
-    S = Z.T @ Z
-    np.subtract(of.GG, S, out=S)  # of some thousand columns: no room for a third
-    return S, of.Ge - Z.T @ z, float(e @ e + offset @ offset - z @ z), dof
+    return less(of.GG, Z), of.Ge - Z.T @ z, float(e @ e + offset @ offset - z @ z), dof
+
+
+def less(GG: Array, Z: Array) -> Array:
+    """GG (g, g) − ZᵀZ of Z (n, g), in the place of GG, some rows at a time: to be given room for a second of
+    some thousand columns takes longer than to work it out."""
+    for at in range(0, len(GG), ROWS):
+        GG[at : at + ROWS] -= Z[:, at : at + ROWS].T @ Z
+    return GG
 
 
 def _upper(J: Array) -> Array:
