@@ -19,6 +19,7 @@ from workbench.diagnosis.weighing.components import cause_components
 from workbench.effects.unnamed.loads import OwnWeights
 from workbench.files.faults import InputError, read_text
 from workbench.files.toml import read_toml
+from workbench.report.content import content
 from workbench.robot.description import load_robot
 from workbench.robot.loads import wrenches
 from workbench.robot.rigid_plant import arrays
@@ -195,8 +196,17 @@ def test_a_fit_that_predicts_badly_is_no_proof_that_nothing_is_missing():
     few = diagnose(measured("kr500", poses=7, loads=())).diagnosis
     assert few.headline.startswith("Too few poses to say")
     assert "Nothing is missing" not in few.headline
+    said = content(few)
+    assert said["verdict"]["label"] == "Too few poses"
+    assert said["verdict"]["kind"] != "nothing_missing"
+    assert "needed" not in said["no_cause"]
+    assert said["next_command"].startswith("workbench plan")
+    _, tile, _ = said["tiles"]  # page and headline have one number for one thing
+    assert f"{tile['before']} → {tile['after']} mm RMS." in few.headline
     more = diagnose(measured("kr500", poses=40, loads=())).diagnosis
     assert more.headline.startswith("Nothing is missing")
+    assert content(more)["verdict"]["label"] == "Nothing is missing"
+    assert content(more)["next_command"].startswith("workbench compensate")
 
 
 def test_a_noise_below_that_of_any_instrument_is_not_believed():
@@ -312,3 +322,10 @@ def test_files_that_never_end_or_act_in_a_terminal_are_refused(tmp_path, capsys)
     table.write_text(table.read_text().replace("\n8,", "\n\x1b[31m8,"))
     assert main(["diagnose", str(campaign)]) == 2
     assert "has the control character '\\x1b'" in capsys.readouterr().err
+
+
+def test_an_effect_without_a_place_is_asked_for_one(capsys, tmp_path):
+    """Nothing was said that cannot sit there."""
+    assert main(["simulate", "ur5", "--random", "3", "--effect", "backlash", "--out", str(tmp_path)]) == 2
+    told = capsys.readouterr().err
+    assert "backlash: does not say where it sits; possible: joint=shoulder_pan_joint" in told

@@ -88,6 +88,8 @@ def test_steps_that_causes_hide_are_found_at_once():
     assert sorted(stands_anew(step).first for step, _ in base) == [47, 64]  # and no third
     found = diagnose(campaign).diagnosis
     assert [(one.kind, one.pose_id) for one in found.faults] == [(MOVED, "48"), (MOVED, "65")]
+    sizes = [float(re.findall(r"steps by (\S+) mm", one.what)[0]) for one in found.faults]
+    assert sizes == pytest.approx([0.108, 0.106], rel=0.2)  # not what they make of all poses
 
 
 def test_a_plan_takes_a_moved_instrument_for_two_set_ups(tmp_path, capsys):

@@ -13,7 +13,11 @@ import pytest
 
 from workbench.campaign.guess import guess_points, guess_poses
 from workbench.campaign.template import template_files
+from workbench.diagnosis.result import FaultFound, Rival
 from workbench.diagnosis.telling.findings import said_together
+from workbench.diagnosis.telling.headline import in_order
+from workbench.diagnosis.telling.standing import Standing, why_open
+from workbench.effects.place import Where
 from workbench.report.content import content, gather
 from workbench.report.first_look import _along
 from workbench.report.numbers import mm
@@ -91,6 +95,8 @@ def test_a_command_can_be_copied() -> None:
     (step,) = [line for line in lines if line.startswith("  next: ")]
     assert step.endswith("workbench compensate PATH.csv --model found/model.toml")
     assert "  next: " not in short_verdict(made, Path("found"))
+    (step,) = [line for line in short_verdict(named, Path("cell 1")).splitlines() if "  next: " in line]
+    assert step.endswith("compensate PATH.csv --model 'cell 1/model.toml'")
 
 
 def test_robot_and_campaign_of_one_name_stand_once() -> None:
@@ -153,3 +159,27 @@ def test_init_reads_the_temperature_and_names_the_targets(tmp_path: Path) -> Non
     assert "# [targets.SMR1]\n" in told
     assert '# [targets."T 2"]\n' in told
     assert "[targets.T1]" not in told
+
+
+def test_steps_stand_in_the_order_of_the_poses() -> None:
+    """Where other faults stand among them, these keep their places."""
+
+    def fault(kind, pose):
+        return FaultFound(kind, pose, None, f"{pose} steps by 1 mm before this pose", "")
+
+    found = [fault("moved_instrument", "c"), fault("outlier", "b"), fault("changed_setup", "a")]
+    ordered = in_order(found, ["a", "b", "c"])
+    assert [one.pose_id for one in ordered] == ["a", "b", "c"]
+
+
+@pytest.mark.parametrize(
+    ("rivals", "nameless", "said"),
+    [
+        ((), ("a step of the base",), ["A step of the base fits as well, which has no name."]),
+        ((Rival("foundation", Where(), 0.2),), (), []),
+        ((), (), ["No other that was tried fits as well, but a name needs 95%: it has 93%."]),
+    ],
+)
+def test_what_is_open_says_why(rivals, nameless, said) -> None:
+    """A cause that is "ambiguous" without a rival would else be so for no reason that a reader sees."""
+    assert why_open(Standing(0.93, rivals, nameless, (), 0.9)) == said

@@ -19,7 +19,7 @@ from .priors import PRIORS
 from .result import GivenFact, NotTestable
 from .search.competition import Selection
 from .search.rounds import LOOSE
-from .telling.findings import standing
+from .telling.standing import standing
 
 SHARPER = 0.5  # of a given spread: the data know it that much better
 SAID_IN = {  # unit → from which size on, times what, in which unit

@@ -261,7 +261,8 @@ class Revealed:
 class Diagnosis:
     """Everything that a diagnosis found. ceiling_mm: RMS error of held-out poses that any smooth model
     reaches. proof: what a closed-loop run of the model showed, and the page that
-    shows it. revealed: what a simulation had hidden. bounds_mm: see `with_bounds`."""
+    shows it. revealed: what a simulation had hidden. bounds_mm: see `with_bounds`. too_few: the poses
+    are too few to say that nothing is missing."""
 
     robot: str
     robot_title: str
@@ -282,6 +283,7 @@ class Diagnosis:
     faults: tuple[FaultFound, ...] = ()
     test: TestFigures | None = None
     bounds_mm: tuple[float, float] | None = None
+    too_few: bool = False
     notes: tuple[str, ...] = ()
     given: tuple[GivenFact, ...] = ()
     geometry: tuple[Parameter, ...] = ()

@@ -159,7 +159,8 @@ def _place(kind: type[Effect], item: EffectRecord, problem: Problem, text: str) 
         if free and item.order and not item.variant and replace(place.where, order=item.order) == where:
             return replace(place, where=where)
     why = None if places else kind.needs(problem)
-    raise InputError(Fault(text, why or "cannot sit there", "" if why else _possible(places)))
+    what = "cannot sit there" if str(where) or item.variant else "does not say where it sits"
+    raise InputError(Fault(text, why or what, "" if why else _possible(places)))
 
 
 def _matches(place: Effect, where: Where, variant: str) -> bool:

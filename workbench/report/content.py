@@ -15,7 +15,7 @@ from typing import Any
 from scipy.stats import maxwell
 
 from ..diagnosis.result import NAMELESS, Decision, Diagnosis, FaultFound, Finding, GivenFact
-from ..diagnosis.telling.headline import listed, words_of
+from ..diagnosis.telling.headline import STEPS, listed, words_of
 from ..effects.base import UNKNOWN
 from ..effects.place import Parameter
 from . import figures
@@ -142,7 +142,7 @@ def _verdict(diagnosis: Diagnosis) -> dict[str, str]:
     headline, _, more = diagnosis.headline.partition(". ")
     more = IN_TILES.sub("", more).strip()
     return {
-        "kind": diagnosis.verdict,
+        "kind": "ambiguous" if diagnosis.too_few else diagnosis.verdict,
         "label": _label(diagnosis),
         "headline": headline.removesuffix("."),
         "more": more,
@@ -150,15 +150,21 @@ def _verdict(diagnosis: Diagnosis) -> dict[str, str]:
 
 
 def _label(diagnosis: Diagnosis) -> str:
+    if diagnosis.too_few:
+        return "Too few poses"
     if diagnosis.verdict == "named" and len(diagnosis.causes) > 1:
         return "Causes found"
     if diagnosis.verdict == "nothing_missing" and any(fact.differs for fact in diagnosis.given):
         return "Given and confirmed"
+    if diagnosis.verdict == "nothing_missing" and any(fault.kind in STEPS for fault in diagnosis.faults):
+        return "Nothing else is missing"
     return VERDICTS[diagnosis.verdict]
 
 
 def _no_cause(diagnosis: Diagnosis) -> str:
     """What stands in place of causes where there are none."""
+    if diagnosis.too_few:
+        return "None can be told by so few poses."
     confirmed = [fact.differs for fact in diagnosis.given if fact.differs]
     if not confirmed:
         return "None is needed."
@@ -199,7 +205,9 @@ def next_step(diagnosis: Diagnosis) -> tuple[str, str]:
         whys = [item.why for item in diagnosis.not_testable if item.why.startswith("no column")]
         steps = ["repeat ten poses five times", *dict.fromkeys(why.partition(": ")[2] for why in whys)]
         return f"What has no name may get one in a campaign with more in it: {listed(steps)}.", ""
-    if diagnosis.verdict == "named" and not diagnosis.proof:
+    if diagnosis.too_few:
+        return "Measure more poses:", "workbench plan CAMPAIGN.toml"
+    if diagnosis.verdict in ("named", "nothing_missing") and not diagnosis.proof:
         return "Correct programs with this model:", "workbench compensate PATH.csv --model model.toml"
     return "", ""
 

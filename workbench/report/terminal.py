@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -58,7 +59,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         f"  held-out error, mm RMS   {'   '.join(_steps(diagnosis))}",
     ]
     if diagnosis.bounds_mm:
-        near, far = map(bound, diagnosis.bounds_mm)
+        near, far = (bound(size).replace("over", ">") for size in diagnosis.bounds_mm)
         lines.append(f"  corrected, 95 %, mm      where measured {near}   all over the joints' range {far}")
     if diagnosis.test:
         t = diagnosis.test
@@ -93,7 +94,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         lines += ["", f"  not testable with these data: {', '.join(causes)}"]
     if folder is not None:
         step, command = next_step(diagnosis)
-        command = command.replace("model.toml", f"{folder}/model.toml")
+        command = command.replace("model.toml", shlex.quote(f"{folder}/model.toml"))
         lines += [
             *(["", f"  next: {step} {command}"] if command else []),
             "",

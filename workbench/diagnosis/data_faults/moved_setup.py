@@ -16,6 +16,7 @@ from ...effects.base import Effect, short
 from ...effects.coming_to_rest import SHARES, SOONEST, share_gone
 from ...effects.recorded import DataFault
 from ...effects.unnamed import unnamed
+from ...effects.unnamed.at_once import AtOnce
 from ...identification.fit import Fit
 from ...identification.registration import (
     GOOD,
@@ -195,6 +196,15 @@ def _size(result: Fit, columns: Array, S: Array, u: Array, own: Array) -> tuple[
     moved = at_points @ (half.T @ u)
     rms, std = (float(np.sqrt((by**2).sum() / len(moved))) for by in (moved, at_points))
     return rms, std
+
+
+def moved_by(result: Fit, step: AtOnce) -> float:
+    """How far the points of the poses after it move by a step that a fit has, rms [m]."""
+    model, seen = result.model, result.model.problem.seen
+    values = result.state.values[model.effects.index(step)]
+    moved = model.effect_jacobian(result.line, step, values)[:, : 3 * seen.shape[1]] @ values
+    moved = moved.reshape(*seen.shape, 3)[seen & (step.after(model.problem) > 0)]
+    return float(np.sqrt((moved**2).sum() / len(moved)))
 
 
 def _scatter(result: Fit, gain: float) -> float:

@@ -14,7 +14,7 @@ from ...effects.unnamed.at_once import stands_anew
 from ...identification.fit import Fit, refit
 from ...identification.heldout import heldout
 from ...robot.kinematics import Array
-from ..data_faults.moved_setup import Step
+from ..data_faults.moved_setup import Step, moved_by
 from ..noise.noise_choice import known_dof
 from ..noise.scatter import beyond_all
 from ..prepared import Prepared
@@ -111,14 +111,14 @@ class Selection:
 
     @property
     def steps(self) -> list[Step]:
-        """Steps in time that are as sure as what has a name, the largest first."""
-        found = list[Step]()
+        """Steps in time that are as sure as what has a name, those first that make most of the points."""
+        found = list[tuple[float, Step]]()
         for member, share in zip(self.members, self.shares, strict=True):
-            for effect, size_mm in self.each_of(member):
+            for effect, worth_mm in self.each_of(member):
                 step = stands_anew(effect)
                 if step and share[member.component] >= PRIORS.named:
-                    found.append(Step(step.kind, int(step.first), 1e-3 * size_mm))
-        return sorted(found, key=lambda step: -step.size)
+                    found.append((worth_mm, Step(step.kind, int(step.first), moved_by(self.fit, step))))
+        return [step for _, step in sorted(found, key=lambda one: -one[0])]
 
     def each_of(self, member: Member) -> Iterator[tuple[Effect, float]]:
         """The effects of a member's form, as the fit has them, and the RMS length [mm] of what each makes of

@@ -19,21 +19,21 @@ from ...robot.kinematics import Array
 from ..data_faults.rounded_joints import rounded_joints
 from ..prepared import Prepared
 from ..priors import PRIORS
-from ..result import Diagnosis, Finding, GivenFact, NotTestable, Rival, Stage
+from ..result import Diagnosis, Finding, GivenFact, NotTestable, Stage
 from ..search.competition import SHOWS, Selection
 from ..search.stages import geometry_alone, pose_errors, rms_mm, stages_of
-from ..weighing.chosen import Shares
-from ..weighing.components import Component, bare, with_companions
+from ..weighing.components import bare, with_companions
 from ..weighing.remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .ceiling import ceiling_mm
 from .evidence import evidence
 from .facts import facts, geometry, of_campaigns, unidentifiable
-from .headline import Errors, headline, listed, remarks, shows_in, steps, verdict_of
+from .headline import Errors, headline, in_order, remarks, shows_in, steps, verdict_of
 from .in_the_model import InModel, beside_the_model, has
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
 from .set_ups_apart import by_comparing, perhaps_changed
+from .standing import standing, why_open
 from .unseen import allowing_for_unseen
 
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
@@ -68,7 +68,8 @@ def assemble(parts: Parts) -> Diagnosis:
     nameless = _nameless(parts, errors, more if repeats_to is None else None)
     verdict = verdict_of(named, nameless, errors)
     findings = _beside_what_is_found([*named, *nameless])
-    moved, in_what = steps(prepared.faults), shows_in(prepared, left, errors.noise)
+    faults = in_order(prepared.faults, c.poses.ids)
+    moved, in_what = steps(faults), shows_in(prepared, left, errors.noise)
     line = headline(verdict, findings, errors, parts.given, repeats_to, in_what, bool(moved))
     return Diagnosis(
         robot=problem.robot.name,
@@ -87,7 +88,8 @@ def assemble(parts: Parts) -> Diagnosis:
         remainder_p=left.p,
         not_testable=(*parts.not_testable, *_swallowed(parts, named)),
         detectable=tuple(detectable(parts.candidates, final, prepared.noise_known)),
-        faults=prepared.faults + rounded,
+        faults=faults + rounded,
+        too_few=verdict == "nothing_missing" and errors.too_few,
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
         given=parts.given,
         notes=(
@@ -248,8 +250,6 @@ def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Findi
     advice = list(
         filter(None, (separation_beside(effect.key, (r.cause, r.where), read, problem) for r in rivals))
     )
-    if found.nameless:
-        advice.append(f"{listed(found.nameless)} fits as well, which has no name")
     parameters, told = _describe(final, own, sure)
     mains = [i for i in own if final.model.effects[i].key == effect.key]
     strongest = mains[0] if effect.ordered else max(mains, key=final.wald)
@@ -266,7 +266,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Findi
         rivals=() if named else rivals,
         faint=() if named else found.faint,
         separate_by=None if named else "; ".join(dict.fromkeys(advice)) or ANYTHING,
-        sentence=told.sentence,
+        sentence=told.sentence if named else " ".join([told.sentence, *why_open(found)]),
         taken_back=told.taken_back,
         equation=effect.equation,
         evidence=evidence(final, final.model.effects[strongest], final.state.values[strongest]),
@@ -281,68 +281,6 @@ def _form(final: Fit, own: Sequence[int], strongest: int) -> str:
     places = catalogue()[effect.cause].places(final.model.problem)
     first = next((e for e in places if e.key == effect.key), effect)
     return "" if len(own) == 1 and effect.variant == first.variant else effect.variant
-
-
-@dataclass(frozen=True)
-class Standing:
-    """A cause at its place among all that compete. rivals: those that cover the rest, likeliest first, and
-    those that only their prior odds keep from it; nameless: what those without a name are, in words; faint:
-    the likeliest of the others, without which it would be named were there no rivals; by_data: its
-    probability where no other cause is less likely before the data than it: what the data alone say."""
-
-    probability: float
-    rivals: tuple[Rival, ...]
-    nameless: tuple[str, ...]
-    faint: tuple[Rival, ...]
-    by_data: float
-
-
-def standing(selection: Selection, effect: Effect) -> Standing:
-    """How a cause stands at its place, where it is likeliest."""
-    best: tuple[float, Shares, int] | None = None
-    for member, share in zip(selection.members, selection.shares, strict=True):
-        component = selection.components[member.component]
-        same = bare(component.key) == effect.key
-        if same and (best is None or share[member.component] > best[0]):
-            best = share[member.component], share, member.component
-    assert best is not None
-    probability, share, index = best
-    raised = {k: p * _handicap(selection.components, index, k) for k, p in share.items()}
-    total = sum(raised.values())
-    covered, rivals, faint, nameless = probability, list[Rival](), list[Rival](), dict[str, None]()
-    others = sorted(((p, k) for k, p in share.items() if k is not None and k != index), reverse=True)
-    for p, k in others:
-        rival = Rival(*selection.components[k].key, p)
-        close = raised[k] >= (1 - PRIORS.by_data) * total
-        worth_a_word = close or (covered < PRIORS.listed and p >= PRIORS.faintest_rival)
-        if (rival.cause, rival.where) != effect.key:
-            (rivals if worth_a_word else faint).append(rival)
-            other = selection.components[k].effect
-            if worth_a_word and rival.cause == UNKNOWN and other is not None:
-                nameless[other.label] = None
-        covered += p if worth_a_word else 0.0
-    late = _not_yet_named(probability, faint)
-    return Standing(probability, tuple(rivals), tuple(nameless), late, raised[index] / total)
-
-
-def _not_yet_named(probability: float, faint: Sequence[Rival]) -> tuple[Rival, ...]:
-    """The first of these rivals, likeliest first, until the others leave half of what a name leaves."""
-    left = sum(rival.probability for rival in faint)
-    kept = list[Rival]()
-    for rival in faint:
-        if left <= (1 - PRIORS.named) / 2 * probability:
-            break
-        kept.append(rival)
-        left -= rival.probability
-    return tuple(kept)
-
-
-def _handicap(components: Sequence[Component], own: int, other: int | None) -> float:
-    """By how much a cause was less likely than another before the data. A line's odds are also those of its
-    order, and functions without a name stand for what nobody knows: these stay as they are."""
-    if other is None or components[other].nameless or components[other].key[1].order is not None:
-        return 1.0
-    return float(np.exp(max(components[own].log_odds - components[other].log_odds, 0.0)))
 
 
 def _describe(final: Fit, own: Sequence[int], sure: Array) -> tuple[tuple[Parameter, ...], InModel]:

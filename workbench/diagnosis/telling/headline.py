@@ -47,6 +47,12 @@ class Errors:
         return self.with_names - self.ceiling > SMALL_REST * max(self.brought, 0.0)
 
     @property
+    def too_few(self) -> bool:
+        """Whether the poses are too few to say that nothing is missing: geometry fitted to them predicts
+        others badly."""
+        return self.base.heldout_rms_mm > MOST_SPREAD * self.noise
+
+    @property
     def with_given(self) -> bool:
         """Whether something was given."""
         return self.base is not self.stages[1]
@@ -76,16 +82,16 @@ def headline(
     said = _found(findings, given)
     nothing = verdict == "nothing_missing"
     after = (errors.base if nothing else errors.stages[-1]).heldout_rms_mm
-    few = after > MOST_SPREAD * errors.noise
     gain = _gain(errors, after)
-    if nothing and few:
-        times = f"{after / errors.noise:.1f} times the noise of {errors.noise:.3f} mm"
+    if nothing and errors.too_few:
+        times = f"{_times(after / errors.noise)} times the {_mm(errors.noise)} mm that noise makes of a point"
         return f"Too few poses to say: at others the fitted robot is off by {times}. {gain}."
     if nothing:
         missing = (
             f"{said}; beyond that nothing is missing" if said else f"Nothing {'else ' * besides}is missing"
         )
         return f"{missing}{in_what}{_explained(errors, repeatability_mm)}. {gain}."
+    few = after > MOST_SPREAD * errors.noise
     if few and errors.base.heldout_rms_mm > errors.stages[0].heldout_rms_mm:
         said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"
     best = max(errors.base.heldout_rms_mm - errors.ceiling, 0.0)
@@ -116,21 +122,21 @@ def _found(findings: Sequence[Finding], given: Sequence[GivenFact]) -> str:
 
 def _gain(errors: Errors, after: float) -> str:
     """The error before and after."""
-    lasts = f" ({errors.lasting:.3f} mm without what only this campaign has)"
+    lasts = f" ({_mm(errors.lasting)} mm without what only this campaign has)"
     elsewhere = lasts if errors.lasting > MORE * after else ""
     nominal, geometry = (stage.heldout_rms_mm for stage in errors.stages[:2])
-    gain = (
-        f"Held-out error {nominal:.3f} → {after:.3f} mm RMS{elsewhere}, {geometry:.3f} mm with geometry alone"
-    )
+    gain = f"Held-out error {_mm(nominal)} → {_mm(after)} mm RMS{elsewhere}"
+    if after != geometry:
+        gain += f", {_mm(geometry)} mm with geometry alone"
     if not errors.with_given:
         return gain
-    return f"{gain}, {errors.base.heldout_rms_mm:.3f} mm with geometry and what was given"
+    return f"{gain}, {_mm(errors.base.heldout_rms_mm)} mm with geometry and what was given"
 
 
 def _explained(errors: Errors, repeatability_mm: float | None) -> str:
     """Behind "nothing is missing": what explains the data, and what would have shown."""
     explain = "geometry and what was given explain" if errors.with_given else "geometry explains"
-    power = f"an error of {errors.visible:.3f} mm RMS beyond it would have shown"
+    power = f"an error of {_mm(errors.visible)} mm RMS beyond it would have shown"
     if repeatability_mm is None:
         return f": {explain} these data, and {power}"
     but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"
@@ -174,8 +180,21 @@ def steps(faults: Sequence[FaultFound]) -> str:
     return f" In these data {said}." if said else ""
 
 
+def in_order(faults: Sequence[FaultFound], pose_ids: Sequence[str]) -> tuple[FaultFound, ...]:
+    """The same faults, with what steps in the order of the poses: each was found where it showed most."""
+    at = {name: n for n, name in enumerate(pose_ids)}
+    stepping = [fault for fault in faults if fault.kind in STEPS]
+    ordered = iter(sorted(stepping, key=lambda fault: at.get(fault.pose_id or "", -1)))
+    return tuple(next(ordered) if fault.kind in STEPS else fault for fault in faults)
+
+
 def _times(ratio: float) -> str:
     return f"{ratio:.1f}" if ratio < 10 else f"{ratio:.0f}"
+
+
+def _mm(length: float) -> str:
+    """A length [mm] as page and terminal have it: micrometres below a millimetre, 0.01 mm above."""
+    return f"{length:.{3 if length < 1 else 2}f}"
 
 
 def words_of(cause: str, where: Where) -> str:

@@ -100,7 +100,7 @@ def _placed(problem: Problem) -> tuple[Problem, list[str]]:
     if not found.refused:
         far = f"Targets are found up to {_length(m.displaced * m.spread + USUAL)} from where the campaign "
         return problem, [far + "states them: the measured places are used."] if m.displaced else []
-    size = f"the points are {_length(m.middle * m.spread)} off the robot ({m.middle:.2%} of their spread)"
+    size = f"the points are {_length(m.middle * m.spread)} off the robot ({_share(m.middle)} of their spread)"
     if m.share <= SUSPECT:
         size = f"targets are {_length(m.displaced * m.spread)} from where they are stated"
     if not found.mistakes:
@@ -110,8 +110,13 @@ def _placed(problem: Problem) -> tuple[Problem, list[str]]:
         return _restated(problem, best[0]), [f"{best[0].what[0].upper()}{best[0].what[1:]}: {best[0].mend}."]
     alike = "; ".join(" and ".join(one.what for one in other) for other, _ in others[:3])
     alike = f" (or: {alike})" if alike else ""
-    told = f": {size}, so mended {left:.2%}"
+    told = f": {size}; so mended, {_share(left)}"
     raise InputError([Fault(f"{campaign.path}: {h.table}", h.what + told, h.mend + alike) for h in best])
+
+
+def _share(share: float) -> str:
+    """A share of the points' spread, in per cent of two digits."""
+    return f"{float(f'{100 * share:.2g}'):g} %"
 
 
 def _restated(problem: Problem, mistake: Hypothesis) -> Problem:
@@ -276,11 +281,11 @@ def _nothing_fits(problem: Problem, size: str, found: Plausible) -> tuple[str, s
         )
     if scale != 1.0:
         what = f"{size}; they fit a robot of {scale:.4g} times its size: a wrong unit, or another robot"
-        return what, f"check the unit of the points, and that this is a {robot.title}"
+        return what, f"check the unit of the points, and that this robot is the {robot.title}"
     what = (
         f"{size}, and none of the usual mistakes (units, signs, order, zeros, coupling, frames) explains it"
     )
-    return what, f"is this a {robot.title}, and does each point belong to the pose that it names?"
+    return what, f"is this robot the {robot.title}, and does each point belong to the pose that it names?"
 
 
 def _length(length: float) -> str:
