@@ -19,12 +19,12 @@ from .foot import Foot
 from .instrument import Bearing, Head, Ranging, Reflectors, Views
 from .joints import Pair, Product, Side, SideBands, Tilt
 from .link_ends import OwnWeight, PivotForce, UnevenBending
-from .loads import Load, OwnWeights, StatedForces, TippingTilt, Torque, UnevenTilt
+from .loads import Load, OwnWeights, StatedForces, TippingTilt, ToolsWeight, Torque, UnevenTilt
 from .past import Past
 
 KINDS: tuple[type[Unnamed], ...] = (
-    Tilt, Pair, Torque, Load, OwnWeights, Foot, Side, Past, Clock, Creeping, Along, ZeroInTime, Zeros, Warmth,
-    PerPayload, Attitude, Bearing, Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, ScaleAnew,
+    Tilt, Pair, Torque, Load, OwnWeights, ToolsWeight, Foot, Side, Past, Clock, Creeping, Along, ZeroInTime,
+    Zeros, Warmth, PerPayload, Attitude, Bearing, Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, ScaleAnew,
     GeometryAnew, Product, AtOnce, ZeroAtOnce,
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself

@@ -16,6 +16,7 @@ from ...robot.loads import Loads, wrenches
 from ...robot.rotations import cross
 from ..base import Depends, Param, motion_said, short
 from ..kinds import DirectEffect, LoadEffect
+from ..masses import usually_mounted
 from ..place import Where
 from .base import Unnamed, each
 
@@ -136,9 +137,7 @@ class OwnWeights(Unnamed, DirectEffect):
 
     def x(self, problem: Problem) -> Array:
         """(N,) [m] lever of a weight at the flange."""
-        j, where = problem.joint(self.where.joint), problem.rigid
-        lever = cross(where.p[-1] - where.origin[:, j + 1], _down(problem.arm))
-        return np.asarray((lever * where.axes[:, j + 1, RZ]).sum(axis=1))
+        return _lever(problem, problem.joint(self.where.joint))
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         j, arm, where = problem.joint(self.where.joint), problem.arm, problem.rigid
@@ -159,6 +158,64 @@ class OwnWeights(Unnamed, DirectEffect):
             if not arm.prismatic[j]
         ]
         return [one for one in every if any(np.ptp(b) > LEVELS for b in one.motion(problem).values())]
+
+
+@dataclass(frozen=True)
+class ToolsWeight(Unnamed, DirectEffect):
+    """What a joint of the wrist gives under a tool that nobody stated: its torque is linear in the tool's mass
+    and first moment, whatever these are (Atkeson et al. 1986). furthest [m]: lever of a weight at the flange.
+
+    Without a stiffness and without a load both numbers of a product start from nothing: neither shows alone."""
+
+    variant: str = "tool's weight"
+    furthest: float = 1.0
+
+    lacks: ClassVar[str] = "state the tool's mass and centre of mass (`[tool]` in campaign.toml)"
+
+    depends: ClassVar[Depends] = frozenset({"joints"})
+    by_loads: ClassVar[bool] = True
+    settings: ClassVar[tuple[str, ...]] = ("size", "furthest")
+    functions: ClassVar[int] = 4
+    unit: ClassVar[str] = "m"
+
+    @property
+    def variable(self) -> str:
+        return f"the weight of a tool that nobody stated, on {self.where.joint}"
+
+    def x(self, problem: Problem) -> Array:
+        """(N,) [m] lever of a weight at the flange."""
+        return _lever(problem, problem.joint(self.where.joint))
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        j, where = problem.joint(self.where.joint), problem.rigid
+        across = cross(_down(problem.arm), where.axes[:, j + 1, RZ])  # (N, 3): a first moment's torque
+        moment = np.einsum("ni,nij->nj", across, where.R[-1])
+        lever = self.x(problem)[:, None] / self.furthest
+        return {int(problem.arm.axial[j]): np.concatenate([lever, moment], axis=1)}
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[ToolsWeight]:
+        """Turning joints without a stiffness that bear less of the stated arm than of what is usually mounted,
+        where nobody stated that, and some poses are without a payload."""
+        arm, c = problem.arm, problem.campaign
+        alone = c.load_mass[c.poses.payload] == 0.0
+        if not arm.weighed or not arm.gravity.any() or c.tool_mass > 0 or not alone.any():
+            return []
+        mounted = usually_mounted(problem) * float(np.linalg.norm(arm.gravity))
+        out = []
+        for j, joint in enumerate(problem.robot.joints):
+            furthest = max(float(np.abs(_lever(problem, j)).max(initial=0.0)), LEVELS)
+            borne = float(np.abs(_own_load(problem, j)[alone]).max())
+            if not arm.prismatic[j] and not joint.data.stiffness and borne < mounted * furthest:
+                out.append(cls(Where(joint=joint.name), furthest=furthest))
+        return [one for one in out if any(np.ptp(b) > LEVELS for b in one.motion(problem).values())]
+
+
+def _lever(problem: Problem, j: int) -> Array:
+    """(N,) [m] lever of a weight at the flange about a joint."""
+    where = problem.rigid
+    lever = cross(where.p[-1] - where.origin[:, j + 1], _down(problem.arm))
+    return np.asarray((lever * where.axes[:, j + 1, RZ]).sum(axis=1))
 
 
 def _down(arm: Arm) -> Array:
