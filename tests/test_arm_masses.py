@@ -1,4 +1,5 @@
-"""Masses that the URDF has all wrong by one factor, or not at all: what the points then say."""
+"""Masses that the URDF has all wrong by one factor, or not at all, and a tool that nobody stated: what the
+points then say."""
 
 import re
 from dataclasses import replace
@@ -15,8 +16,10 @@ from workbench.diagnosis.weighing.reduced import Reduced
 from workbench.diagnosis.weighing.sets import Competition
 from workbench.effects import catalogue
 from workbench.effects.place import Where
-from workbench.effects.unnamed.loads import OwnWeights
+from workbench.effects.records import from_record, record
+from workbench.effects.unnamed.loads import OwnWeights, ToolsWeight
 from workbench.report.content import content
+from workbench.robot.loads import wrenches
 
 SOFT = {"joint_2": 2e-5, "joint_3": 2e-5}  # rad/(N·m)
 YIELDS = tuple(f"joint_compliance:joint={joint},compliance={c}" for joint, c in SOFT.items())
@@ -106,3 +109,57 @@ def test_the_arms_mass_can_be_stated():
     arm, _ = whole.apply(problem, problem.arm, problem.loads, np.array([-0.6]))
     np.testing.assert_allclose(arm.mass[1:], 0.4 * problem.arm.mass[1:])
     np.testing.assert_allclose(arm.moment[1:], 0.4 * problem.arm.moment[1:])
+
+
+TOOL = (0.6, (0.05, 0.03, 0.1))
+
+
+def without_tool(campaign):
+    return replace(campaign, tool_mass=0.0, tool_com=np.zeros(3))
+
+
+def giving(joint):
+    """A joint that gives in proportion to its torque, and a little more under a large one."""
+
+    def error(problem):
+        torque = problem.arm.own(wrenches(problem.arm, problem.rigid, problem.loads).local)[:, joint]
+        share = torque / np.abs(torque).max()
+        out = np.zeros_like(problem.q)
+        out[:, joint] = 5e-4 * share * (1 + 0.05 * np.abs(share))
+        return out
+
+    return error
+
+
+@pytest.mark.parametrize(("joint", "seed"), [(5, 31), (4, 32)])
+def test_a_wrist_that_yields_under_a_tool_that_nobody_stated_is_no_lost_motion(joint, seed):
+    campaign = measured("irb120", joints=giving(joint - 1), loads=(), tool=TOOL, sigma=2e-5, seed=seed)
+    found = diagnose(without_tool(campaign)).diagnosis
+    (rest,) = found.causes
+    assert rest.cause == "unknown"
+    assert rest.structure == f"depends on the weight of a tool that nobody stated, on joint_{joint}"
+    assert rest.separate_by == "state the tool's mass and centre of mass (`[tool]` in campaign.toml)"
+    stated = diagnose(campaign).diagnosis
+    assert [(one.label, one.status) for one in stated.causes] == [
+        (f"joint_compliance(joint_{joint})", "named")
+    ]
+
+
+def test_the_torque_of_any_tool_is_a_sum_of_the_functions_for_one_that_nobody_stated():
+    campaign = measured("irb120", poses=40, loads=(), tool=TOOL)
+    heavy, light = problem_of(campaign), problem_of(without_tool(campaign))
+    torques = (p.arm.own(wrenches(p.arm, p.rigid, p.loads).local) for p in (heavy, light))
+    more = np.subtract(*torques)
+    sites = ToolsWeight.sites(light)
+    assert [str(one.where.joint) for one in sites] == ["joint_4", "joint_5", "joint_6"]
+    for one in sites:
+        (basis,) = one.motion(light).values()
+        own = more[:, light.joint(one.where.joint)]
+        left = own - basis @ np.linalg.lstsq(basis, own, rcond=None)[0]
+        assert np.abs(left).max() < 1e-9 * np.abs(own).max()
+        weights = one.given({p.name: p.typical for p in one.params})
+        again, numbers = from_record(record(one, weights), light)
+        assert again == one
+        assert np.array_equal(numbers, weights)
+    assert not ToolsWeight.sites(heavy)
+    assert not ToolsWeight.sites(problem_of(measured("kr500", poses=12, loads=())))  # has stiffnesses

@@ -22,7 +22,7 @@ from workbench.effects.unnamed import BESIDE, KINDS, Product, Tilt, Warmth, step
 from workbench.effects.unnamed.anew import CarriedAnew, GeometryAnew, ScaleAnew, ZeroAnew
 from workbench.effects.unnamed.at_once import AtOnce, ZeroAtOnce
 from workbench.effects.unnamed.campaign import Along, Clock, Creeping
-from workbench.effects.unnamed.loads import OwnWeights
+from workbench.effects.unnamed.loads import OwnWeights, ToolsWeight
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
 from workbench.simulation.virtual_campaign import Truth, simulate
@@ -277,6 +277,7 @@ def test_functions_without_a_name_say_what_they_are_about():
     problem = problem_of(measured(time=60.0 * np.arange(120)))
     found = list(unnamed(problem))
     absent = {Along, OwnWeights, Product, Warmth}  # its arm has masses
+    absent |= {ToolsWeight}  # and stiffnesses
     absent |= {Clock, Creeping}  # a base or tool that moves with time has a name
     absent |= {AtOnce, ZeroAtOnce}  # where a step is, a search says
     absent |= {CarriedAnew, GeometryAnew, ScaleAnew, ZeroAnew}  # of several campaigns

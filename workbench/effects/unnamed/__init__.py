@@ -24,8 +24,8 @@ from .past import Past
 
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, ToolsWeight, Foot, Side, Past, Clock, Creeping, Along, ZeroInTime,
-    Zeros, Warmth, PerPayload, Attitude, Bearing, Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew, ScaleAnew,
-    GeometryAnew, Product, AtOnce, ZeroAtOnce,
+    Zeros, Warmth, PerPayload, Attitude, Bearing, Head, Ranging, Reflectors, Views, ZeroAnew, CarriedAnew,
+    ScaleAnew, GeometryAnew, Product, AtOnce, ZeroAtOnce,
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (

@@ -162,10 +162,12 @@ class OwnWeights(Unnamed, DirectEffect):
 
 @dataclass(frozen=True)
 class ToolsWeight(Unnamed, DirectEffect):
-    """What a joint of the wrist gives under a tool that nobody stated: its torque is linear in the tool's mass
-    and first moment, whatever these are (Atkeson et al. 1986). furthest [m]: lever of a weight at the flange.
+    """What a joint of the wrist gives under a tool that nobody stated: its torque is linear in the tool's
+    mass and first moment, whatever these are (Atkeson et al. 1986). furthest [m]: lever of a weight at the
+    flange.
 
-    Without a stiffness and without a load both numbers of a product start from nothing: neither shows alone."""
+    Without a stiffness and a load both numbers of a product are nothing to begin with, and neither shows
+    alone."""
 
     variant: str = "tool's weight"
     furthest: float = 1.0
@@ -195,8 +197,8 @@ class ToolsWeight(Unnamed, DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[ToolsWeight]:
-        """Turning joints without a stiffness that bear less of the stated arm than of what is usually mounted,
-        where nobody stated that, and some poses are without a payload."""
+        """Turning joints without a stiffness that bear less of the stated arm than of what is usually
+        mounted, where nobody stated that, and some poses are without a payload."""
         arm, c = problem.arm, problem.campaign
         alone = c.load_mass[c.poses.payload] == 0.0
         if not arm.weighed or not arm.gravity.any() or c.tool_mass > 0 or not alone.any():
