@@ -135,6 +135,8 @@ def giving(joint):
 def test_a_wrist_that_yields_under_a_tool_that_nobody_stated_is_no_lost_motion(joint, seed):
     campaign = measured("irb120", joints=giving(joint - 1), loads=(), tool=TOOL, sigma=2e-5, seed=seed)
     found = diagnose(without_tool(campaign)).diagnosis
+    said = "Something is left that looks like a wrist that yields under a tool that nobody stated."
+    assert found.headline.startswith(said)
     (rest,) = found.causes
     assert rest.cause == "unknown"
     assert rest.structure == f"depends on the weight of a tool that nobody stated, on joint_{joint}"

@@ -184,6 +184,10 @@ class ToolsWeight(Unnamed, DirectEffect):
     def variable(self) -> str:
         return f"the weight of a tool that nobody stated, on {self.where.joint}"
 
+    @property
+    def like(self) -> str:
+        return "a wrist that yields under a tool that nobody stated"
+
     def x(self, problem: Problem) -> Array:
         """(N,) [m] lever of a weight at the flange."""
         return _lever(problem, problem.joint(self.where.joint))
