@@ -17,7 +17,7 @@ def scaled(path, folder, times):
     return write_campaign(folder, replace(campaign, points=times * campaign.points))
 
 
-@pytest.mark.parametrize(("ppm", "poses"), [(150, 25), (-60, 40)])
+@pytest.mark.parametrize(("ppm", "poses"), [pytest.param(150, 25, marks=pytest.mark.slow), (-60, 40)])
 def test_a_scale_that_is_another_is_told_with_its_size_and_hides_no_cause(tmp_path, ppm, poses):
     first, second, other = of_one_robot(tmp_path, [0.0] * 6, poses=poses)
     found = diagnose([scaled(first, tmp_path / "scaled", 1 + 1e-6 * ppm), second], test=other).diagnosis

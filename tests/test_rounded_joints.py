@@ -55,7 +55,14 @@ def faults_before_causes(campaign):
     return ready.faults
 
 
-@pytest.mark.parametrize(("seed", "rows"), [(3, 8), (5, 8), (2, 16)])
+@pytest.mark.parametrize(
+    ("seed", "rows"),
+    [
+        pytest.param(3, 8, marks=pytest.mark.slow),
+        pytest.param(5, 8, marks=pytest.mark.slow),
+        (2, 16),
+    ],
+)
 def test_what_rounding_does_in_runs_is_no_tool_that_moved(seed, rows):
     assert not faults_before_causes(held_in_runs(written=True, seed=seed, rows=rows))
 
