@@ -176,8 +176,9 @@ def test_steps_stand_in_the_order_of_the_poses() -> None:
     ("rivals", "nameless", "said"),
     [
         ((), ("a step of the base",), ["A step of the base fits as well, which has no name."]),
+        ((), ("one", "another"), ["One and another fit as well, which have no name."]),
         ((Rival("foundation", Where(), 0.2),), (), []),
-        ((), (), ["No other that was tried fits as well, but a name needs 95%: it has 93%."]),
+        ((), (), ["No other that was tried fits as well, but a name needs 95 %: it has 93 %."]),
     ],
 )
 def test_what_is_open_says_why(rivals, nameless, said) -> None:

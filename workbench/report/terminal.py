@@ -77,8 +77,8 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         name = "structure" if finding.cause == UNKNOWN else name
         lines += ["", f"  {status(finding).upper():<11} {name}   gain {finding.gain_mm * 1e3:.1f} µm"]
         lines += [f"{INDENT}{sentence}"] if sentence else []
-        if finding.rivals:
-            said = [(rival.cause, place(rival.where)) for rival in finding.rivals]
+        if known := [rival for rival in finding.rivals if rival.cause != UNKNOWN]:  # its sentence says others
+            said = [(rival.cause, place(rival.where)) for rival in known]
             rivals = ", ".join(f"{cause} ({at})" if at else cause for cause, at in said)
             word = "may be" if finding.cause == UNKNOWN else "fits as well"
             lines.append(f"{INDENT}{word}: {rivals}")

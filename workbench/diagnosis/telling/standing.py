@@ -82,10 +82,11 @@ def why_open(found: Standing) -> list[str]:
     """Why a cause has no name for sure, as far as its rivals do not say that."""
     if found.nameless:
         said = listed(found.nameless)
-        return [f"{said[0].upper()}{said[1:]} fits as well, which has no name."]
+        fits = "fits as well, which has" if len(found.nameless) == 1 else "fit as well, which have"
+        return [f"{said[0].upper()}{said[1:]} {fits} no name."]
     if found.rivals:
         return []
-    has = f"it has {found.probability:.0%}"
+    has = f"it has {100 * found.probability:.0f} %"
     if found.probability >= PRIORS.named:
         has = "without what speaks for it before the data it has less"
-    return [f"No other that was tried fits as well, but a name needs {PRIORS.named:.0%}: {has}."]
+    return [f"No other that was tried fits as well, but a name needs {100 * PRIORS.named:.0f} %: {has}."]
