@@ -75,11 +75,11 @@ def significant(value: float, digits: int = 3) -> str:
     return f"{decimals(value / 10.0**power, digits - 1)}·10{str(power).translate(SUPERSCRIPTS)}"
 
 
-def bound(value: float) -> str:
-    """A bound [mm], from a centimetre in whole ones; beyond `FARTHEST` that it is: what is so unsure is not
-    known at all."""
+def bound(value: float, over: str = "over") -> str:
+    """A bound [mm], from a centimetre in whole ones; beyond `FARTHEST` that it is `over` that: what is so
+    unsure is not known at all."""
     if value >= FARTHEST:
-        return f"over {FARTHEST:.0f}"
+        return f"{over} {FARTHEST:.0f}"
     return mm(value) if value < 10 else f"{value:.0f}"
 
 

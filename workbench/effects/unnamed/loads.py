@@ -112,20 +112,42 @@ def _own_load(problem: Problem, j: int) -> Array:
 
 
 @dataclass(frozen=True)
-class OwnWeights(Unnamed, DirectEffect):
-    """What a joint gives under the weights beyond it, where the model has none: its torque is linear in the
-    links' first moments, whatever these are (Atkeson et al. 1986). links: so many lie beyond."""
+class Weights(Unnamed, DirectEffect):
+    """What a joint gives under weights beyond it that the model lacks: its torque is linear in their first
+    moments, whatever these are (Atkeson et al. 1986)."""
+
+    depends: ClassVar[Depends] = frozenset({"joints"})
+    by_loads: ClassVar[bool] = True
+    unit: ClassVar[str] = "m"
+
+    def x(self, problem: Problem) -> Array:
+        """(N,) [m] lever of a weight at the flange."""
+        j, where = problem.joint(self.where.joint), problem.rigid
+        lever = cross(where.p[-1] - where.origin[:, j + 1], _down(problem.arm))
+        return np.asarray((lever * where.axes[:, j + 1, RZ]).sum(axis=1))
+
+    def moved_by(self, problem: Problem, slot: int) -> Array:
+        """(N, 3) the joint's torque by a first moment in the frame behind a slot, over its weight."""
+        j, where = problem.joint(self.where.joint), problem.rigid
+        across = cross(_down(problem.arm), where.axes[:, j + 1, RZ])
+        return np.asarray(np.einsum("ni,nij->nj", across, where.R[slot]))
+
+    @classmethod
+    def turned(cls, problem: Problem, every: Iterable[Self]) -> list[Self]:
+        """Those whose joint weights can turn."""
+        return [one for one in every if any(np.ptp(b) > LEVELS for b in one.motion(problem).values())]
+
+
+@dataclass(frozen=True)
+class OwnWeights(Weights):
+    """Weights of the links, of an arm whose model has none. links: so many lie beyond."""
 
     variant: str = "own weights"
     links: int = 1
 
     always: ClassVar[bool] = True
     lacks: ClassVar[str] = "state the links' masses in the URDF"
-
-    depends: ClassVar[Depends] = frozenset({"joints"})
-    by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "links")
-    unit: ClassVar[str] = "m"
 
     @property
     def functions(self) -> int:
@@ -135,15 +157,9 @@ class OwnWeights(Unnamed, DirectEffect):
     def variable(self) -> str:
         return f"weights beyond {self.where.joint}, which the model lacks"
 
-    def x(self, problem: Problem) -> Array:
-        """(N,) [m] lever of a weight at the flange."""
-        return _lever(problem, problem.joint(self.where.joint))
-
     def motion(self, problem: Problem) -> Mapping[int, Array]:
-        j, arm, where = problem.joint(self.where.joint), problem.arm, problem.rigid
-        across = cross(_down(arm), where.axes[:, j + 1, RZ])  # (N, 3): a first moment's torque
-        beyond = range(j + 1, arm.n + 1)
-        basis = [np.einsum("ni,nij->nj", across, where.R[k]) / (k - j) for k in beyond]  # smaller outwards
+        j, arm = problem.joint(self.where.joint), problem.arm
+        basis = [self.moved_by(problem, k) / (k - j) for k in range(j + 1, arm.n + 1)]  # smaller outwards
         return {int(arm.axial[j]): np.concatenate(basis, axis=1)}
 
     @classmethod
@@ -152,19 +168,14 @@ class OwnWeights(Unnamed, DirectEffect):
         arm = problem.arm
         if arm.weighed or not arm.gravity.any():
             return []
-        every = [
-            cls(Where(joint=name), links=arm.n - j)
-            for j, name in enumerate(arm.names)
-            if not arm.prismatic[j]
-        ]
-        return [one for one in every if any(np.ptp(b) > LEVELS for b in one.motion(problem).values())]
+        turning = [j for j in range(arm.n) if not arm.prismatic[j]]
+        return cls.turned(problem, [cls(Where(joint=arm.names[j]), links=arm.n - j) for j in turning])
 
 
 @dataclass(frozen=True)
-class ToolsWeight(Unnamed, DirectEffect):
-    """What a joint of the wrist gives under a tool that nobody stated: its torque is linear in the tool's
-    mass and first moment, whatever these are (Atkeson et al. 1986). furthest [m]: lever of a weight at the
-    flange.
+class ToolsWeight(Weights):
+    """The weight of a tool that nobody stated, on a joint of the wrist. furthest [m]: its largest lever, were
+    it at the flange.
 
     Without a stiffness and a load both numbers of a product are nothing to begin with, and neither shows
     alone."""
@@ -173,12 +184,8 @@ class ToolsWeight(Unnamed, DirectEffect):
     furthest: float = 1.0
 
     lacks: ClassVar[str] = "state the tool's mass and centre of mass (`[tool]` in campaign.toml)"
-
-    depends: ClassVar[Depends] = frozenset({"joints"})
-    by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "furthest")
     functions: ClassVar[int] = 4
-    unit: ClassVar[str] = "m"
 
     @property
     def variable(self) -> str:
@@ -188,16 +195,10 @@ class ToolsWeight(Unnamed, DirectEffect):
     def like(self) -> str:
         return "a wrist that yields under a tool that nobody stated"
 
-    def x(self, problem: Problem) -> Array:
-        """(N,) [m] lever of a weight at the flange."""
-        return _lever(problem, problem.joint(self.where.joint))
-
     def motion(self, problem: Problem) -> Mapping[int, Array]:
-        j, where = problem.joint(self.where.joint), problem.rigid
-        across = cross(_down(problem.arm), where.axes[:, j + 1, RZ])  # (N, 3): a first moment's torque
-        moment = np.einsum("ni,nij->nj", across, where.R[-1])
         lever = self.x(problem)[:, None] / self.furthest
-        return {int(problem.arm.axial[j]): np.concatenate([lever, moment], axis=1)}
+        basis = np.concatenate([lever, self.moved_by(problem, -1)], axis=1)
+        return {int(problem.arm.axial[problem.joint(self.where.joint)]): basis}
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[ToolsWeight]:
@@ -210,18 +211,12 @@ class ToolsWeight(Unnamed, DirectEffect):
         mounted = usually_mounted(problem) * float(np.linalg.norm(arm.gravity))
         out = []
         for j, joint in enumerate(problem.robot.joints):
-            furthest = max(float(np.abs(_lever(problem, j)).max(initial=0.0)), LEVELS)
+            one = cls(Where(joint=joint.name))
+            furthest = max(float(np.abs(one.x(problem)).max(initial=0.0)), LEVELS)
             borne = float(np.abs(_own_load(problem, j)[alone]).max())
             if not arm.prismatic[j] and not joint.data.stiffness and borne < mounted * furthest:
-                out.append(cls(Where(joint=joint.name), furthest=furthest))
-        return [one for one in out if any(np.ptp(b) > LEVELS for b in one.motion(problem).values())]
-
-
-def _lever(problem: Problem, j: int) -> Array:
-    """(N,) [m] lever of a weight at the flange about a joint."""
-    where = problem.rigid
-    lever = cross(where.p[-1] - where.origin[:, j + 1], _down(problem.arm))
-    return np.asarray((lever * where.axes[:, j + 1, RZ]).sum(axis=1))
+                out.append(replace(one, furthest=furthest))
+        return cls.turned(problem, out)
 
 
 def _down(arm: Arm) -> Array:

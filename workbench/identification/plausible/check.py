@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...campaign.problem import Problem
+from ...effects.base import short
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from .conventions import counted_otherwise
@@ -100,7 +101,8 @@ def _placed(problem: Problem) -> tuple[Problem, list[str]]:
     if not found.refused:
         far = f"Targets are found up to {_length(m.displaced * m.spread + USUAL)} from where the campaign "
         return problem, [far + "states them: the measured places are used."] if m.displaced else []
-    size = f"the points are {_length(m.middle * m.spread)} off the robot ({_share(m.middle)} of their spread)"
+    share = f"{short(100 * m.middle)} % of their spread"
+    size = f"the points are {_length(m.middle * m.spread)} off the robot ({share})"
     if m.share <= SUSPECT:
         size = f"targets are {_length(m.displaced * m.spread)} from where they are stated"
     if not found.mistakes:
@@ -110,13 +112,8 @@ def _placed(problem: Problem) -> tuple[Problem, list[str]]:
         return _restated(problem, best[0]), [f"{best[0].what[0].upper()}{best[0].what[1:]}: {best[0].mend}."]
     alike = "; ".join(" and ".join(one.what for one in other) for other, _ in others[:3])
     alike = f" (or: {alike})" if alike else ""
-    told = f": {size}; so mended, {_share(left)}"
+    told = f": {size}; so mended, {short(100 * left)} %"
     raise InputError([Fault(f"{campaign.path}: {h.table}", h.what + told, h.mend + alike) for h in best])
-
-
-def _share(share: float) -> str:
-    """A share of the points' spread, in per cent of two digits."""
-    return f"{float(f'{100 * share:.2g}'):g} %"
 
 
 def _restated(problem: Problem, mistake: Hypothesis) -> Problem:
