@@ -17,7 +17,7 @@ from workbench.campaign.parted import parted
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import prepared
-from workbench.diagnosis.data_faults.moved_setup import jump
+from workbench.diagnosis.data_faults.moved_setup import jump, moved_by
 from workbench.diagnosis.data_faults.wild_points import _frozen
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.weighing.places_of_steps import likely_steps, places
@@ -85,7 +85,11 @@ def test_steps_that_causes_hide_are_found_at_once():
     campaign = spoilt(late_and_back, poses=40, effects=("joint_compliance:joint=joint_3,relative=0.8",))
     at = refit(prepared.prepare(campaign).geometry, JointCompliance.sites(problem_of(campaign)))
     base, *_ = likely_steps(at)
-    assert sorted(stands_anew(step).first for step, _ in base) == [47, 64]  # and no third
+    steps = sorted((stands_anew(step) for step, _ in base), key=lambda step: step.first)
+    assert [step.first for step in steps] == [47, 64]  # and no third
+    both = refit(at, [*at.model.effects, *steps])
+    one = refit(both, [*at.model.effects, steps[1]])  # as where the first brings nothing on poses held out
+    assert moved_by(one, steps[0]) == pytest.approx(moved_by(both, steps[0]), rel=0.01)
     found = diagnose(campaign).diagnosis
     assert [(one.kind, one.pose_id) for one in found.faults] == [(MOVED, "48"), (MOVED, "65")]
     sizes = [float(re.findall(r"steps by (\S+) mm", one.what)[0]) for one in found.faults]

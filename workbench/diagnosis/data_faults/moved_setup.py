@@ -17,7 +17,7 @@ from ...effects.coming_to_rest import SHARES, SOONEST, share_gone
 from ...effects.recorded import DataFault
 from ...effects.unnamed import unnamed
 from ...effects.unnamed.at_once import AtOnce
-from ...identification.fit import Fit
+from ...identification.fit import Fit, refit
 from ...identification.registration import (
     GOOD,
     UNKNOWN_TARGET,
@@ -199,7 +199,9 @@ def _size(result: Fit, columns: Array, S: Array, u: Array, own: Array) -> tuple[
 
 
 def moved_by(result: Fit, step: AtOnce) -> float:
-    """How far the points of the poses after it move by a step that a fit has, rms [m]."""
+    """How far the points of the poses after it move by a step, beside all that a fit has, rms [m]."""
+    if step not in result.model.effects:  # what brings nothing on poses held out is no part of it any more
+        result = refit(result, [*result.model.effects, step])
     model, seen = result.model, result.model.problem.seen
     values = result.state.values[model.effects.index(step)]
     moved = model.effect_jacobian(result.line, step, values)[:, : 3 * seen.shape[1]] @ values
