@@ -1,8 +1,9 @@
 """Torques of the drives as a second witness: they show loads that positions hide behind geometry.
 
 What a drive exerts holds the load's torque, times a motor constant that is known to a few percent, plus
-friction and an offset. So per joint an offset, a scale and the side of approach are taken out, and what
-is left is compared: a compensator that has lost charge changes the torque, an eccentric gear does not.
+friction and an offset. So per joint an offset, a scale and the friction of its side of approach are taken
+out, and what is left is compared: a compensator that has lost charge changes the torque, an eccentric gear
+does not. What the columns mean at all is asked in `torque_columns`.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from .problem import Problem
 
 SHOWS = 0.5  # share of a joint's torque that the model must explain for the column to be believed
 FEWEST = 10  # torques of a joint from which its noise is taken
-TAKEN = 3  # numbers that are taken out: offset, scale and side
 ROUNDS = 2  # of a load's size and what it leaves
 ACCURACY = 0.03  # of a joint's largest torque: motor currents, friction, and masses in the model
 WIDE = 1e3  # usual sizes of a load that nothing holds
@@ -23,23 +23,43 @@ LEAST = 1e-6  # N·m, N: of a joint without any load
 
 
 def project(problem: Problem, values: Array) -> Array:
-    """(N, n, p) values without what each joint's offset, scale and approach can make of them; zero where
+    """(N, n, p) values without what each joint's offset, scale and friction can make of them; zero where
     no torque was measured. The scale is that of the nominal arm's torques."""
     measured = problem.campaign.poses.torque
     assert measured is not None
-    expected = problem.arm.own(problem.nominal_load.local)
     out = np.zeros_like(values)
-    for j in range(measured.shape[1]):
+    for j, Q in enumerate(_takes(problem)):
         seen = np.isfinite(measured[:, j])
-        basis = [np.ones(int(seen.sum())), expected[seen, j]]
-        if problem.campaign.poses.side is not None:
-            basis.append(problem.campaign.poses.side[seen, j].astype(float))
-        B = np.column_stack(basis)
-        B = B / np.maximum(np.linalg.norm(B, axis=0), 1e-12)
-        Q = np.linalg.svd(B, full_matrices=False)[0][:, np.linalg.svd(B, compute_uv=False) > 1e-9]
         part = values[seen, j]
         out[seen, j] = part - Q @ (Q.T @ part)
     return out
+
+
+def _takes(problem: Problem) -> list[Array]:
+    """Per joint (k, r) an orthonormal basis of what its drive makes of its own over the k poses where its
+    torque was measured."""
+    measured = problem.campaign.poses.torque
+    assert measured is not None
+    expected = problem.arm.own(problem.nominal_load.local)
+    bases = []
+    for j in range(measured.shape[1]):
+        seen = np.isfinite(measured[:, j])
+        B = np.column_stack([own_of_drive(problem, j), expected[:, j]])[seen]
+        B = B / np.maximum(np.linalg.norm(B, axis=0), 1e-12)
+        left, size, _ = np.linalg.svd(B, full_matrices=False)
+        bases.append(left[:, size > 1e-9])
+    return bases
+
+
+def own_of_drive(problem: Problem, j: int) -> Array:
+    """(N, 1 or 3) what joint j's drive has without a load's help: an offset and, where the side of approach
+    is known, friction: Coulomb's, and the share of the load that a gear adds to it."""
+    side = problem.campaign.poses.side
+    if side is None:
+        return np.ones((len(problem.q), 1))
+    signed = side[:, j].astype(float)
+    load = np.abs(problem.arm.own(problem.nominal_load.local)[:, j])
+    return np.column_stack([np.ones(len(signed)), signed, signed * load])
 
 
 def axis_error(problem: Problem) -> Array:
@@ -65,7 +85,7 @@ def scatter(problem: Problem, moved: Array | None = None, largest: float = np.in
     known = np.nan_to_num(measured)
     left = project(problem, known[..., None])[..., 0]
     enough = seen.sum(axis=0) >= FEWEST
-    free = np.maximum(seen.sum(axis=0) - TAKEN, 1)
+    free = np.maximum(seen.sum(axis=0) - [Q.shape[1] for Q in _takes(problem)], 1)
     rms = np.maximum(np.sqrt((left**2).sum(axis=0) / free), least)
     least = np.maximum(least, np.minimum(rms, ACCURACY * np.abs(known).max(axis=0)))
     if moved is None:
@@ -83,7 +103,7 @@ def scatter(problem: Problem, moved: Array | None = None, largest: float = np.in
 
 def noise(problem: Problem, moved: Array | None = None, largest: float = np.inf) -> Array:
     """(n,) one sigma of each joint's torque about the model [N·m, N], as `scatter`; infinite where that
-    explains less than `SHOWS` of it (no load on that joint, or a column that means something else)."""
+    explains less than `SHOWS` of it (no load on that joint)."""
     measured = problem.campaign.poses.torque
     assert measured is not None
     rms = scatter(problem, moved, largest)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..campaign import Campaign
+from ..campaign import Campaign, torque_columns
 from ..campaign.problem import Problem, problem_of
 from ..effects import catalogue
 from ..effects.given import exclusions, given_facts
@@ -85,7 +85,7 @@ def first_look(campaign: Campaign) -> FirstLook:
         distance > SUSPICIOUS * np.median(distance),
         problem.q[middle],
         tuple(NotTestable(cause, why) for cause, why in missing if why is not None),
-        tuple(remarks),
+        (*remarks, *torque_columns.remarks(problem)),
         wrong,
     )
 

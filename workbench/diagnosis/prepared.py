@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..campaign import Campaign, calibrated, join
+from ..campaign import Campaign, calibrated, join, torque_columns
 from ..campaign.other_tools import tool_as_modelled
 from ..campaign.parted import parted
 from ..campaign.problem import Problem, problem
@@ -263,7 +263,7 @@ def _fitted(sound: Sound) -> Prepared:
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit_set_up(model, as_stated, covariance)
     said = (*rigid_targets(geometry), *calibrated.remarks(problem), *common_factor(geometry))
-    said = (*said, *said_of_silent(problem, covariance))
+    said = (*said, *said_of_silent(problem, covariance), *torque_columns.remarks(problem))
     notes = (*sound.notes, *said, *_coarse(coarse))
     return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)
 

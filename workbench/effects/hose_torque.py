@@ -47,18 +47,20 @@ class HoseTorque(LoadEffect):
     def needs(cls, problem: Problem) -> str | None:
         if cls.sites(problem):
             return None
-        return "no wrist joint has a stiffness: state it in the robot's TOML"
+        return "no wrist joint has a stiffness: state it in the robot's TOML, or record the drives' torques"
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[HoseTorque]:
-        """Wrist joints that yield; a rigid one does not show a torque."""
+        """Wrist joints that yield; a rigid one shows a torque in its drive's alone."""
         stiff = {joint.name for joint in problem.robot.joints if joint.data.stiffness is None}
-        return [cls(Where(joint=name)) for name in wrist(problem) if name not in stiff]
+        return [cls(Where(joint=name)) for name in wrist(problem) if problem.drives or name not in stiff]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real hose is no spring: it stiffens, sticks and lies on."""
         j = problem.joint(self.where.joint)
-        stiffness = problem.robot.joints[j].data.stiffness or np.inf
+        stiffness = problem.robot.joints[j].data.stiffness
+        if stiffness is None:
+            return ()
         torque = self.params[0].typical * float(np.ptp(problem.q[:, j])) / 2
         return JointMap.off(problem, j, UNEVEN * torque / stiffness)
 

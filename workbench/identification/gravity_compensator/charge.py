@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...campaign import Campaign, drive_torque
+from ...campaign import Campaign, drive_torque, torque_columns
 from ...campaign.problem import problem_of
 from ...effects.base import Effect
 from ...effects.gravity_compensator import GravityCompensator
@@ -67,6 +67,7 @@ def _fitted(campaign: Campaign, witness: Witness, torque_share: float, unknown: 
     noise = required_noise(problem)
     if campaign.poses.torque is not None:
         believed = np.isfinite(drive_torque.noise(problem))
+        believed[[one.joint for one in torque_columns.doubtful(problem)]] = False
         largest = np.nanmax(np.abs(campaign.poses.torque), axis=0)
         noise = replace(noise, torque=np.where(believed, torque_share * largest, np.inf))
     if witness == "torque":
