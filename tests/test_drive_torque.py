@@ -155,3 +155,17 @@ def test_the_drive_of_a_joint_without_a_stiffness_shows_a_hose():
     found, lacking = hoses(plan.with_poses(torque=np.zeros_like(plan.poses.q)))
     assert found == {"wrist_1_joint", "wrist_2_joint", "wrist_3_joint"}
     assert lacking is None
+
+
+def test_what_goes_with_the_joints_own_angle_counts_as_far_as_torques_are_accurate():
+    """Of a function of its own angle little is left, of another joint's nearly all."""
+    campaign, _ = measured(HIDDEN["none"])
+    problem = problem_of(campaign)
+    for j, other in ((1, 3), (2, 4), (4, 3)):
+        own, foreign = np.zeros((2, POSES, 6, 1))
+        own[:, j, 0], foreign[:, j, 0] = np.sin(problem.q[:, j]), np.sin(problem.q[:, other])
+        shares = [
+            np.square(drive_torque.project(problem, v)).sum() / np.square(v).sum() for v in (own, foreign)
+        ]
+        assert shares[0] < 0.2
+        assert shares[1] > 0.5

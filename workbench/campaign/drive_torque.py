@@ -3,7 +3,9 @@
 What a drive exerts holds the load's torque, times a motor constant that is known to a few percent, plus
 friction and an offset. So per joint an offset, a scale and the friction of its side of approach are taken
 out, and what is left is compared: a compensator that has lost charge changes the torque, an eccentric gear
-does not. What the columns mean at all is asked in `torque_columns`.
+does not. Cables, the motor's cogging and a sensor's crosstalk go with the joint's angle: what is no larger
+than the torques are accurate, and does, is no load. What the columns mean at all is asked in
+`torque_columns`.
 """
 
 from __future__ import annotations
@@ -17,22 +19,48 @@ SHOWS = 0.5  # share of a joint's torque that the model must explain for the col
 FEWEST = 10  # torques of a joint from which its noise is taken
 ROUNDS = 2  # of a load's size and what it leaves
 ACCURACY = 0.03  # of a joint's largest torque: motor currents, friction, and masses in the model
+SMOOTH = 4  # functions of the joint's own angle that such an error may have, in half cycles over its range
 WIDE = 1e3  # usual sizes of a load that nothing holds
 TILT = 5e-3  # rad: how far the axis of a joint may lie from the model's
 LEAST = 1e-6  # N·m, N: of a joint without any load
 
 
 def project(problem: Problem, values: Array) -> Array:
-    """(N, n, p) values without what each joint's offset, scale and friction can make of them; zero where
-    no torque was measured. The scale is that of the nominal arm's torques."""
+    """(N, n, p) values without what each joint's offset, scale and friction can make of them, and of what its
+    own angle can as much as `ACCURACY` leaves in doubt; zero where no torque was measured. The scale is that
+    of the nominal arm's torques.
+
+    Errors Z that go with the angle beside noise σ have the covariance σ² (I + Z Zᵀ) = σ² (I + U s² Uᵀ), whose
+    inverse root is (I − U (1 − (1 + s²)^-½) Uᵀ) / σ.
+    """
     measured = problem.campaign.poses.torque
     assert measured is not None
     out = np.zeros_like(values)
     for j, Q in enumerate(_takes(problem)):
         seen = np.isfinite(measured[:, j])
-        part = values[seen, j]
-        out[seen, j] = part - Q @ (Q.T @ part)
+        part = values[seen, j] - Q @ (Q.T @ values[seen, j])
+        U, size = _by_own_angle(problem, j, Q)
+        out[seen, j] = part - U @ ((1 - (1 + size**2) ** -0.5)[:, None] * (U.T @ part))
     return out
+
+
+def _by_own_angle(problem: Problem, j: int, Q: Array) -> tuple[Array, Array]:
+    """(k, m) directions of smooth functions of joint j's own angle over the k poses where its torque was
+    measured, beside what is taken out, Q: (k, r); and (m,) how large they may be, over the noise."""
+    measured = problem.campaign.poses.torque
+    assert measured is not None
+    seen = np.isfinite(measured[:, j])
+    q, torque = problem.q[seen, j], measured[seen, j]
+    if len(q) <= Q.shape[1] + SMOOTH or np.ptp(q) == 0:
+        return np.zeros((len(q), 0)), np.zeros(0)
+    turn = np.pi * (q - q.min()) / np.ptp(q)
+    Z = np.cos(turn[:, None] * np.arange(1, SMOOTH + 1)) * (2 / SMOOTH) ** 0.5
+    U, size, _ = np.linalg.svd(Z - Q @ (Q.T @ Z), full_matrices=False)
+    rest = torque - Q @ (Q.T @ torque)
+    rest -= U @ (U.T @ rest)
+    noise = float(np.sqrt(rest @ rest / (len(q) - Q.shape[1] - SMOOTH)))
+    off = ACCURACY * float(np.abs(problem.arm.own(problem.nominal_load.local)[seen, j]).max())
+    return U, size * (off / noise if LEAST < noise < off else 1.0)
 
 
 def _takes(problem: Problem) -> list[Array]:

@@ -207,7 +207,8 @@ _MEANINGS = {
     **dict.fromkeys(("mx", "my", "mz"), _TORQUE),
     "q": "commanded joint, from base to flange",
     "r": "read-back joint",
-    "tau": "torque that the drive exerts on the joint (force of a sliding one)",
+    "tau": "torque that the drive exerts on the joint, behind the gear (force of a sliding one): it holds up "
+    "what the loads pull down, so its sign is opposite to theirs",
     "dir": "sign of the joint's last motion: -1, 1, or 0 where it is not known; without these columns it is "
     "taken from the order of poses that follow each other along a path",
     "target": "name of the target",
