@@ -15,10 +15,12 @@ from .base import Effect, Param, motion_said
 from .guideway import Guideway
 from .kinds import TransmissionEffect
 from .place import Parameter, Where
-from .travel import MARGIN, OverTravel, measured, rms, whole
+from .travel import MOVES, OverTravel, measured, rms, whole
 from .unnamed.base import SLIDES
 
 LENGTHS = {"broad": 1.5, "smooth": 0.7, "waves": 0.25, "fine": 0.1}  # rad: the error forgets itself
+TURNS = 2 * np.pi + MOVES  # rad that a joint travels: some angles were measured in two of its turns
+ROUGH = 0.5  # rad: what forgets itself sooner has more waves in a turn than a run-out
 USUAL_SLIDING = 3e-5  # m, of a screw's or a rack's: ISO 3408-3 allows 23 µm (grade 5) … 52 µm (7) in 300 mm
 
 
@@ -26,7 +28,8 @@ USUAL_SLIDING = 3e-5  # m, of a screw's or a rack's: ISO 3408-3 allows 23 µm (g
 class JointMap(OverTravel, TransmissionEffect):
     """Δq = f(q), a free function of the joint's own position: a Gaussian process (Rasmussen & Williams 2006)
     that forgets itself over the length of `variant`, broad to fine. What nobody measured is no error in the
-    mean, and as unsure as the map is large.
+    mean, and as unsure as the map is large. Of a joint that turns more than once it may be the same in every
+    turn (`variant` "fine around", say): what is measured in one holds in the others.
 
     Of a sliding joint it is the pitch error of a screw or a rack over the travel, all in m. Its guide is a
     bearing that is as long as the travel: where that is not straight, the carriage strays with all six
@@ -74,11 +77,25 @@ class JointMap(OverTravel, TransmissionEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Effect]:
-        """Joints that travel, in lengths of less than half of that; and the guides of those that slide."""
+        """Joints that travel, in lengths of less than half of that, those that turn more than once around the
+        turn as well; and the guides of those that slide."""
         found = [cls.over(problem, j) for j in range(problem.arm.n)]
         every = [place._of_length(v) for place in found if place is not None for v in LENGTHS]
-        maps = [one for one in every if 2 * one.length < one.span / (1 + 2 * MARGIN)]
-        return [*maps, *Guideway.sites(problem)]
+        maps = [one for one in every if 2 * one.length < one.measured_span]
+        around = [turn for one in maps if one.measured_span > TURNS for turn in one._around()]
+        return [*maps, *around, *Guideway.sites(problem)]
+
+    @property
+    def measured_span(self) -> float:
+        """[rad, m] what the joint travelled, where `over` made it."""
+        return self.span - 2 * self.room
+
+    def _around(self) -> list[JointMap]:
+        """The same in every turn of a joint that turns; one of a few waves is a run-out with what it has
+        beside it."""
+        if self.sliding or self.length > ROUGH:
+            return []
+        return [replace(self, variant=f"{self.variant} around", around=1.0)]
 
     @classmethod
     def over(cls, problem: Problem, j: int) -> JointMap | None:
@@ -107,7 +124,9 @@ class JointMap(OverTravel, TransmissionEffect):
     @classmethod
     def places(cls, problem: Problem) -> Sequence[Effect]:
         every = [cls._at(problem, j) for j in range(problem.arm.n)]
-        return [*(one._of_length(v) for one in every for v in LENGTHS), *Guideway.places(problem)]
+        maps = [one._of_length(v) for one in every for v in LENGTHS]
+        around = [turn for one in maps for turn in one._around()]
+        return [*maps, *around, *Guideway.places(problem)]
 
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         return self.waves(q, joints)
@@ -133,7 +152,7 @@ class JointMap(OverTravel, TransmissionEffect):
 
     def sentence(self, values: Array) -> str:
         size = motion_said(np.sqrt((values**2).sum() / 2), self.sliding)
-        ends = np.array([self.first, self.first + self.span])
+        ends = self.first + np.array([self.room, self.span - self.room])  # where it was measured
         if self.sliding:
             low, high = 1e3 * ends
             return (
@@ -143,6 +162,6 @@ class JointMap(OverTravel, TransmissionEffect):
         low, high = np.degrees(ends)
         over = f"{low:z.0f} … {high:z.0f}°".replace("-", "−")
         return (
-            f"{self.where.joint} errs by {size} RMS as a function of its own angle ({over}): "
-            "gear, encoder or bearing."
+            f"{self.where.joint} errs by {size} RMS as a function of its own angle ({over}"
+            f"{', the same in every turn' if self.around else ''}): gear, encoder or bearing."
         )

@@ -30,6 +30,9 @@ class OverTravel(Effect):
     function of usual size `size`. The joint was measured from q₀ `first` over L `span` [rad, m], without
     `room` at both ends; beyond that the function forgets what it says as the process does, over `length`:
     what nobody measured is no error in the mean, and as unsure as the function is large.
+
+    around: 1 where a joint turns more than once and the function is the same in every turn,
+    f(q) = Σ a_k sin k q + b_k cos k q: all of it was measured.
     """
 
     first: float = -np.pi
@@ -37,16 +40,20 @@ class OverTravel(Effect):
     length: float = 0.25
     size: float = 1e-4
     room: float = 0.0
+    around: float = 0.0
 
-    settings: ClassVar[tuple[str, ...]] = ("first", "span", "length", "size", "room")
+    settings: ClassVar[tuple[str, ...]] = ("first", "span", "length", "size", "room", "around")
     local: ClassVar[bool] = True
 
     @cached_property
     def sizes(self) -> Array:
-        """(K,) prior size of each wave, from k = 1: a constant is the joint's zero."""
-        k = np.arange(1, 1 + int(np.ceil(3.0 * self.span / (np.pi * self.length))))
-        power = np.exp(-0.5 * (np.pi * k * self.length / self.span) ** 2)
+        """(K,) prior size of each wave, from k = 1: a constant is the joint's zero. Around a turn of all
+        sines, then of all cosines."""
+        per_rad = 1.0 if self.around else np.pi / self.span
+        k = np.arange(1, 1 + int(np.ceil(3.0 / (per_rad * self.length))))
+        power = np.exp(-0.5 * (per_rad * k * self.length) ** 2)
         power = power[power > FAINTEST**2 * power[0]]
+        power = np.tile(power, 2) if self.around else power
         return np.asarray(self.size * np.sqrt(2 * power / power.sum()))
 
     def over_range(self, ends: Ends) -> Self:
@@ -60,7 +67,11 @@ class OverTravel(Effect):
 
     def waves(self, q: Array, joints: tuple[str, ...]) -> Array:
         """(N, K) the waves at joints q (N, n)."""
-        x = (q[:, joints.index(str(self.where.joint))] - self.first) / self.span
+        angle = q[:, joints.index(str(self.where.joint))]
+        if self.around:
+            each = np.outer(angle, np.arange(1, 1 + len(self.sizes) // 2))
+            return np.concatenate([np.sin(each), np.cos(each)], axis=1)
+        x = (angle - self.first) / self.span
         waves = np.cos(np.pi * np.outer(np.clip(x, 0.0, 1.0), np.arange(1, 1 + len(self.sizes))))
         return np.asarray(waves * self._kept(q, joints)[:, None])
 
@@ -70,6 +81,8 @@ class OverTravel(Effect):
 
     def _kept(self, q: Array, joints: tuple[str, ...]) -> Array:
         """(N,) how much the process still has of what was measured, where q (N, n) is beyond."""
+        if self.around:
+            return np.ones(len(q))
         x = q[:, joints.index(str(self.where.joint))] - self.first
         beyond = x - np.clip(x, self.room, self.span - self.room)
         return np.asarray(np.exp(-0.5 * (beyond / self.length) ** 2))
