@@ -42,7 +42,7 @@ def test_a_wrong_load_is_no_noise(which):
         assert 0.6 * true[j] < found[j] < 2 * true[j]
     if which != "none":
         (j,) = {"hose": (4,), "gas": (1,)}[which]
-        assert not drive_torque.noise(prepared.problem)[j] < 1.8 * found[j]
+        assert not torque_columns.noise(prepared.problem)[j] < 1.8 * found[j]
 
 
 def test_a_load_that_would_have_to_be_too_large_takes_nothing_out():

@@ -10,10 +10,16 @@ than the torques are accurate, and does, is no load. What the columns mean at al
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..robot.kinematics import Array
-from .problem import Problem
+
+if TYPE_CHECKING:
+    from .problem import Problem
 
 SHOWS = 0.5  # share of a joint's torque that the model must explain for the column to be believed
 FEWEST = 10  # torques of a joint from which its noise is taken
@@ -25,32 +31,49 @@ TILT = 5e-3  # rad: how far the axis of a joint may lie from the model's
 LEAST = 1e-6  # N·m, N: of a joint without any load
 
 
-def project(problem: Problem, values: Array) -> Array:
-    """(N, n, p) values without what each joint's offset, scale and friction can make of them, and of what its
-    own angle can as much as `ACCURACY` leaves in doubt; zero where no torque was measured. The scale is that
-    of the nominal arm's torques.
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """What a joint's drive makes of its own over the k poses where its torque was measured (`seen`). taken:
+    (k, r) an orthonormal basis of offset, scale and friction; by_angle: (k, m) directions of smooth functions
+    of the joint's own angle beside these; size: (m,) how large they may be, over the noise."""
 
-    Errors Z that go with the angle beside noise σ have the covariance σ² (I + Z Zᵀ) = σ² (I + U s² Uᵀ), whose
-    inverse root is (I − U (1 − (1 + s²)^-½) Uᵀ) / σ.
-    """
+    seen: NDArray[np.int64]
+    taken: Array
+    by_angle: Array
+    size: Array
+
+    def left_of(self, values: Array) -> Array:
+        """(k, p) values of these poses without what is taken out, and of what goes with the angle as much as
+        may be a load.
+
+        Errors Z that go with the angle beside noise σ have the covariance σ² (I + Z Zᵀ) = σ² (I + U s² Uᵀ),
+        whose inverse root is (I − U (1 − (1 + s²)^-½) Uᵀ) / σ.
+        """
+        part = values - self.taken @ (self.taken.T @ values)
+        less = (1 - (1 + self.size**2) ** -0.5)[:, None]
+        return np.asarray(part - self.by_angle @ (less * (self.by_angle.T @ part)))
+
+
+def drives(problem: Problem) -> list[Drive]:
+    """Of each joint; the scale is that of the nominal arm's torques. `Problem.own_of_drives` keeps them."""
     measured = problem.campaign.poses.torque
     assert measured is not None
-    out = np.zeros_like(values)
-    for j, Q in enumerate(_takes(problem)):
-        seen = np.isfinite(measured[:, j])
-        part = values[seen, j] - Q @ (Q.T @ values[seen, j])
-        U, size = _by_own_angle(problem, j, Q)
-        out[seen, j] = part - U @ ((1 - (1 + size**2) ** -0.5)[:, None] * (U.T @ part))
-    return out
+    expected = problem.arm.own(problem.nominal_load.local)
+    found = []
+    for j in range(measured.shape[1]):
+        seen = np.flatnonzero(np.isfinite(measured[:, j]))
+        B = np.column_stack([own_of_drive(problem, j), expected[:, j]])[seen]
+        B = B / np.maximum(np.linalg.norm(B, axis=0), 1e-12)
+        left, size, _ = np.linalg.svd(B, full_matrices=False)
+        Q = left[:, size > 1e-9]
+        by_angle = _by_own_angle(problem.q[seen, j], measured[seen, j], expected[seen, j], Q)
+        found.append(Drive(seen, Q, *by_angle))
+    return found
 
 
-def _by_own_angle(problem: Problem, j: int, Q: Array) -> tuple[Array, Array]:
-    """(k, m) directions of smooth functions of joint j's own angle over the k poses where its torque was
-    measured, beside what is taken out, Q: (k, r); and (m,) how large they may be, over the noise."""
-    measured = problem.campaign.poses.torque
-    assert measured is not None
-    seen = np.isfinite(measured[:, j])
-    q, torque = problem.q[seen, j], measured[seen, j]
+def _by_own_angle(q: Array, torque: Array, expected: Array, Q: Array) -> tuple[Array, Array]:
+    """(k, m) directions of smooth functions of a joint's angle q (k,) beside what is taken out, Q: (k, r);
+    and (m,) how large they may be, over the noise. torque, expected: (k,) as measured, as by the model."""
     if len(q) <= Q.shape[1] + SMOOTH or np.ptp(q) == 0:
         return np.zeros((len(q), 0)), np.zeros(0)
     turn = np.pi * (q - q.min()) / np.ptp(q)
@@ -59,24 +82,17 @@ def _by_own_angle(problem: Problem, j: int, Q: Array) -> tuple[Array, Array]:
     rest = torque - Q @ (Q.T @ torque)
     rest -= U @ (U.T @ rest)
     noise = float(np.sqrt(rest @ rest / (len(q) - Q.shape[1] - SMOOTH)))
-    off = ACCURACY * float(np.abs(problem.arm.own(problem.nominal_load.local)[seen, j]).max())
+    off = ACCURACY * float(np.abs(expected).max())
     return U, size * (off / noise if LEAST < noise < off else 1.0)
 
 
-def _takes(problem: Problem) -> list[Array]:
-    """Per joint (k, r) an orthonormal basis of what its drive makes of its own over the k poses where its
-    torque was measured."""
-    measured = problem.campaign.poses.torque
-    assert measured is not None
-    expected = problem.arm.own(problem.nominal_load.local)
-    bases = []
-    for j in range(measured.shape[1]):
-        seen = np.isfinite(measured[:, j])
-        B = np.column_stack([own_of_drive(problem, j), expected[:, j]])[seen]
-        B = B / np.maximum(np.linalg.norm(B, axis=0), 1e-12)
-        left, size, _ = np.linalg.svd(B, full_matrices=False)
-        bases.append(left[:, size > 1e-9])
-    return bases
+def project(problem: Problem, values: Array) -> Array:
+    """(N, n, p) values without what each joint's drive may make of its own (`Drive`); zero where no torque
+    was measured."""
+    out = np.zeros_like(values)
+    for j, drive in enumerate(problem.own_of_drives):
+        out[drive.seen, j] = drive.left_of(values[drive.seen, j])
+    return out
 
 
 def own_of_drive(problem: Problem, j: int) -> Array:
@@ -113,7 +129,7 @@ def scatter(problem: Problem, moved: Array | None = None, largest: float = np.in
     known = np.nan_to_num(measured)
     left = project(problem, known[..., None])[..., 0]
     enough = seen.sum(axis=0) >= FEWEST
-    free = np.maximum(seen.sum(axis=0) - [Q.shape[1] for Q in _takes(problem)], 1)
+    free = np.maximum(seen.sum(axis=0) - [drive.taken.shape[1] for drive in problem.own_of_drives], 1)
     rms = np.maximum(np.sqrt((left**2).sum(axis=0) / free), least)
     least = np.maximum(least, np.minimum(rms, ACCURACY * np.abs(known).max(axis=0)))
     if moved is None:
@@ -127,16 +143,6 @@ def scatter(problem: Problem, moved: Array | None = None, largest: float = np.in
     if np.abs(size).max(initial=0.0) <= largest:
         rms = found
     return np.where(enough, rms, np.inf)
-
-
-def noise(problem: Problem, moved: Array | None = None, largest: float = np.inf) -> Array:
-    """(n,) one sigma of each joint's torque about the model [N·m, N], as `scatter`; infinite where that
-    explains less than `SHOWS` of it (no load on that joint)."""
-    measured = problem.campaign.poses.torque
-    assert measured is not None
-    rms = scatter(problem, moved, largest)
-    total = np.array([np.nanstd(column) if np.isfinite(column).any() else 0.0 for column in measured.T])
-    return np.where(shown(rms, total), rms, np.inf)
 
 
 def shown(rms: Array, total: Array) -> Array:

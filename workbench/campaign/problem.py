@@ -13,7 +13,7 @@ from ..robot.description import Robot
 from ..robot.hidden_geometry import hidden_corrections
 from ..robot.kinematics import Arm, Array, Frames, frames
 from ..robot.loads import Loads, Wrenches, wrenches
-from . import Campaign
+from . import Campaign, drive_torque
 
 REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
 
@@ -84,6 +84,11 @@ class Problem:
     def nominal_load(self) -> Wrenches:
         """Wrenches at the slots of the rigid arm under the stated loads."""
         return wrenches(self.arm, self.rigid, self.loads)
+
+    @cached_property
+    def own_of_drives(self) -> list[drive_torque.Drive]:
+        """What the joints' drives make of their own of the recorded torques."""
+        return drive_torque.drives(self)
 
     @cached_property
     def hidden_corrections(self) -> frozenset[int]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..robot.kinematics import Array
 from ..robot.loads import wrenches
-from .drive_torque import FEWEST, SHOWS, axis_error, own_of_drive
+from .drive_torque import FEWEST, SHOWS, axis_error, own_of_drive, scatter, shown
 from .problem import Problem
 
 FACTOR = 10**0.5  # by which a scale is nearer to another unit's, ten times or more, than to one
@@ -94,11 +94,23 @@ def _doubt(own: Array, loads: Array, values: Array, least: float) -> tuple[Doubt
     return None
 
 
+def noise(problem: Problem, moved: Array | None = None, largest: float = np.inf) -> Array:
+    """(n,) one sigma of each joint's torque about the model [N·m, N], as `drive_torque.scatter`; infinite
+    where that explains less than `SHOWS` of it (no load on that joint), or a column means something else."""
+    measured = problem.campaign.poses.torque
+    assert measured is not None
+    rms = scatter(problem, moved, largest)
+    total = np.array([np.nanstd(column) if np.isfinite(column).any() else 0.0 for column in measured.T])
+    sigma = np.where(shown(rms, total), rms, np.inf)
+    sigma[[one.joint for one in doubtful(problem)]] = np.inf
+    return sigma
+
+
 def remarks(problem: Problem) -> list[str]:
     """A line for each kind of doubt, with its joints and what to do."""
     found = doubtful(problem)
-    return [_said(problem, [one for one in found if one.doubt == doubt]) for doubt in SAID
-            if any(one.doubt == doubt for one in found)]  # fmt: skip
+    alike = ([one for one in found if one.doubt == doubt] for doubt in SAID)
+    return [_said(problem, some) for some in alike if some]
 
 
 def _said(problem: Problem, some: Sequence[Doubtful]) -> str:

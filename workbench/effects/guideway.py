@@ -66,8 +66,7 @@ class Guideway(OverTravel, DirectEffect):
         if ends is None:
             return []
         one = cls(Where(joint=problem.arm.names[j]), size=USUAL).over_range(ends)
-        travel = one.span - 2 * one.room
-        return [replace(one, variant=name, length=share * travel) for name, share in LENGTHS.items()]
+        return [replace(one, variant=name, length=share * one.travelled) for name, share in LENGTHS.items()]
 
     @cached_property
     def params(self) -> tuple[Param, ...]:
@@ -128,7 +127,7 @@ class Guideway(OverTravel, DirectEffect):
 
     def sentence(self, values: Array) -> str:
         sizes = {p.name: p.value for p in self.report(values, np.zeros((len(values), len(values))))}
-        low, high = 1e3 * (self.first + self.room), 1e3 * (self.first + self.span - self.room)
+        low, high = 1e3 * np.array(self.between)
         return (
             f"The carriage of {self.where.joint} strays along its travel ({low:.0f} … {high:.0f} mm): "
             f"{motion_said(sizes['amplitude'], True)} RMS across, {motion_said(sizes['along'], True)} along, "

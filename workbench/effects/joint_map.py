@@ -81,14 +81,9 @@ class JointMap(OverTravel, TransmissionEffect):
         turn as well; and the guides of those that slide."""
         found = [cls.over(problem, j) for j in range(problem.arm.n)]
         every = [place._of_length(v) for place in found if place is not None for v in LENGTHS]
-        maps = [one for one in every if 2 * one.length < one.measured_span]
-        around = [turn for one in maps if one.measured_span > TURNS for turn in one._around()]
+        maps = [one for one in every if 2 * one.length < one.travelled]
+        around = [turn for one in maps if one.travelled > TURNS for turn in one._around()]
         return [*maps, *around, *Guideway.sites(problem)]
-
-    @property
-    def measured_span(self) -> float:
-        """[rad, m] what the joint travelled, where `over` made it."""
-        return self.span - 2 * self.room
 
     def _around(self) -> list[JointMap]:
         """The same in every turn of a joint that turns; one of a few waves is a run-out with what it has
@@ -152,14 +147,13 @@ class JointMap(OverTravel, TransmissionEffect):
 
     def sentence(self, values: Array) -> str:
         size = motion_said(np.sqrt((values**2).sum() / 2), self.sliding)
-        ends = self.first + np.array([self.room, self.span - self.room])  # where it was measured
         if self.sliding:
-            low, high = 1e3 * ends
+            low, high = 1e3 * np.array(self.between)
             return (
                 f"{self.where.joint} errs by {size} RMS as a function of its own travel "
                 f"({low:.0f} … {high:.0f} mm): screw or rack, scale or guide."
             )
-        low, high = np.degrees(ends)
+        low, high = np.degrees(self.between)
         over = f"{low:z.0f} … {high:z.0f}°".replace("-", "−")
         return (
             f"{self.where.joint} errs by {size} RMS as a function of its own angle ({over}"

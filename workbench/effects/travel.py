@@ -62,6 +62,16 @@ class OverTravel(Effect):
         return replace(self, first=first, span=span, room=room)
 
     @property
+    def travelled(self) -> float:
+        """[rad, m] over how much the joint was measured."""
+        return self.span - 2 * self.room
+
+    @property
+    def between(self) -> tuple[float, float]:
+        """[rad, m] between which positions that was."""
+        return self.first + self.room, self.first + self.span - self.room
+
+    @property
     def kin(self) -> Hashable:
         return "own angle", self.where.joint
 

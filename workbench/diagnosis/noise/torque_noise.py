@@ -15,10 +15,9 @@ MOST = 3.0  # standard deviations of the widest prior that passes for a cause
 
 
 def torque_noise(fit: Fit) -> Array:
-    """(n,) one sigma of each joint's torque [N·m, N] as `drive_torque.noise` takes it, at a fit of poses
-    with torques: what is left of them with the one cause of the catalogue that explains most in a size that
-    passes for a cause, so that a wrong load does not hide itself. Infinite for columns that mean something
-    else."""
+    """(n,) one sigma of each joint's torque [N·m, N] as `torque_columns.noise` takes it, at a fit of
+    poses with torques: what is left of them with the one cause of the catalogue that explains most in a size
+    that passes for a cause, so that a wrong load does not hide itself."""
     problem = fit.model.problem
 
     def left(moved: Array | None) -> float:
@@ -26,9 +25,7 @@ def torque_noise(fit: Fit) -> Array:
         return float(np.log(rms[np.isfinite(rms)]).sum())
 
     best = min([None, *_moved(fit)], key=left)
-    sigma = drive_torque.noise(problem, best, MOST * PRIORS.largest)
-    sigma[[one.joint for one in torque_columns.doubtful(problem)]] = np.inf
-    return sigma
+    return torque_columns.noise(problem, best, MOST * PRIORS.largest)
 
 
 def _moved(fit: Fit) -> list[Array]:

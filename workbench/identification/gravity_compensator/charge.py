@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...campaign import Campaign, drive_torque, torque_columns
+from ...campaign import Campaign, torque_columns
 from ...campaign.problem import problem_of
 from ...effects.base import Effect
 from ...effects.gravity_compensator import GravityCompensator
@@ -66,8 +66,7 @@ def _fitted(campaign: Campaign, witness: Witness, torque_share: float, unknown: 
     problem = problem_of(campaign)
     noise = required_noise(problem)
     if campaign.poses.torque is not None:
-        believed = np.isfinite(drive_torque.noise(problem))
-        believed[[one.joint for one in torque_columns.doubtful(problem)]] = False
+        believed = np.isfinite(torque_columns.noise(problem))
         largest = np.nanmax(np.abs(campaign.poses.torque), axis=0)
         noise = replace(noise, torque=np.where(believed, torque_share * largest, np.inf))
     if witness == "torque":
