@@ -16,7 +16,7 @@ class Priors:
     weights 1/(1 + s²) per s; largest: beyond which no cause bends an arm by its loads, or excuses points that
     are far off; smallest: below which nothing is that is certain to be there: else a cause that looks like it
     would take its place after all. form: share of an effect that its form and its companions miss, on a real
-    machine; kin, yields: times over that log odds are too sure between a run-out and a map of one joint, and
+    machine; directions: in how many of all what they miss lies, effectively; kin, yields: times over that log odds are too sure between a run-out and a map of one joint, and
     between two causes that yield to loads; shadow: size of a cause by loads, over that of what loads do
     without a name, from which it is no part of that.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
@@ -41,6 +41,7 @@ class Priors:
     largest: float = 10.0
     smallest: float = 1.0
     form: float = 0.03
+    directions: float = 4.0
     kin: float = 3.0
     yields: float = 2.0
     shadow: float = 2.0

@@ -15,6 +15,7 @@ from .forms import Forms
 from .weight import Weight, likelihood
 
 SURELY = 3.0  # standard deviations
+TINY = 1e-9
 
 
 def times_too_sure(one: Effect, other: Effect) -> float:
@@ -30,8 +31,16 @@ def times_too_sure(one: Effect, other: Effect) -> float:
 
 
 def believed_share(chosen: Chosen, i: int) -> float:
-    """Of a difference in χ² in the i-th member's place, the share that is more than a form may miss."""
+    """Of a difference in χ² in the i-th member's place, the share that is more than a form usually misses."""
     return 1 / (1 + PRIORS.form**2 * (chosen.explained - chosen.explained_without(i)))
+
+
+def share_of_any(difference: float) -> float:
+    """Of a difference in χ², the share that can be believed however much forms may miss: what one misses
+    lies in one of many directions, and a form that misses far less than another by chance has to do so in
+    each of them (the evidence for a miss of unknown size, log-uniform, falls as its power of the dimension)."""
+    per_direction = difference / PRIORS.directions
+    return float(np.log1p(per_direction) / per_direction) if per_direction > 0 else 1.0
 
 
 class StandIns:
@@ -66,7 +75,7 @@ class StandIns:
         )
         bending = [k for k in excused if self.components[k].by_loads] if self.components[own].by_loads else []
         out = self._no_truer_than_forms(chosen, i, takes, logs, [k for k in excused if k not in bending])
-        out |= self._nor_dearer(chosen, i, weights, logs, bending)
+        out |= self._nor_dearer(chosen, i, takes, weights, logs, bending)
         for k in rivals:
             times = self._times_too_sure(k, own)
             if times == 1:
@@ -99,15 +108,13 @@ class StandIns:
         name, which have no form, may be worse. takes: what each takes off χ² there."""
         own, left = chosen.members[i].component, self.reduced
         rest = chosen.explained_without(i)
-        share = believed_share(chosen, i)
-        slope = 0.5 * (left.noise_dof + left.dof) / max(left.noise_dof + left.chi2 - chosen.explained, 1.0)
         mine, out = takes[own], dict(logs)
         for k in rivals:
             theirs = takes[k]
             if self.components[k].nameless and theirs < mine:
                 continue
             better = float(likelihood(left, rest, np.array(theirs)) - likelihood(left, rest, np.array(mine)))
-            most = slope * share * abs(theirs - mine)
+            most = 0.5 * self._share(chosen, i, theirs - mine) * self._in_noise(chosen, theirs - mine)
             out[k] += float(np.clip(better, -most, most)) - better
         return out
 
@@ -115,6 +122,7 @@ class StandIns:
         self,
         chosen: Chosen,
         i: int,
+        takes: dict[int, float],
         weights: dict[int, Weight],
         logs: dict[int, float],
         rivals: Sequence[int],
@@ -122,12 +130,22 @@ class StandIns:
         """log odds of rivals where what their freedom and the i-th member's costs counts as little as what
         they take off χ². This is of those that bend an arm by its loads: what they have beside their forms is
         what these miss, while a joint's own error is free to be any."""
-        if not rivals:
-            return {}
-        own = chosen.members[i].component
-        less = self.forms.less_sure(chosen, [own, *rivals], i, believed_share(chosen, i))
-        mine = less[own] - weights[own].log_odds
-        return {k: logs[k] + less[k] - weights[k].log_odds - mine for k in rivals}
+        own, out = chosen.members[i].component, dict[int, float]()
+        for k in rivals:
+            share = self._share(chosen, i, takes[k] - takes[own])
+            less = self.forms.less_sure(chosen, [own, k], i, share)
+            out[k] = logs[k] + less[k] - weights[k].log_odds - (less[own] - weights[own].log_odds)
+        return out
+
+    def _in_noise(self, chosen: Chosen, difference: float) -> float:
+        """The size of a difference in χ², in what is left as noise."""
+        left = self.reduced
+        noise = (left.noise_dof + left.chi2 - chosen.explained) / (left.noise_dof + left.dof)
+        return abs(difference) / max(noise, TINY)
+
+    def _share(self, chosen: Chosen, i: int, difference: float) -> float:
+        """Of a difference in χ² between two in the i-th member's place, the share that can be believed."""
+        return max(believed_share(chosen, i), share_of_any(self._in_noise(chosen, difference)))
 
     def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight, takes: float) -> bool:
         """Whether enough of what a component takes off χ² is the effect's own, and not its companions'."""
