@@ -143,12 +143,6 @@ def read_campaign_file(path: Path) -> CampaignFile:
     if file.points.wide and file.points.turned_mm is not None:
         mend = "give the targets of a 6-D measurement a row each, or take it out"
         faults.append(Fault(f"{path}: points.turned_mm", "does not go with targets side by side", mend))
-    for section in ("poses", "points"):
-        layout: TableFile = getattr(file, section)
-        if layout.separator == layout.decimal:
-            both = repr(layout.decimal)
-            mend = 'say separator = ";" or whatever separates the columns'
-            faults.append(Fault(f"{path}: {section}", f"separator and decimal are both {both}", mend))
     if faults:
         raise InputError(faults)
     return file
