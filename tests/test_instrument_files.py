@@ -226,6 +226,15 @@ def test_joints_are_told_from_what_is_named_like_them(tmp_path, names, columns, 
     assert joint_columns(tmp_path, names, columns) == wanted
 
 
+def test_turning_and_sliding_joints_stand_in_one_row_of_names(tmp_path):
+    kinds = ("revolute", "prismatic", "prismatic")
+    arm = [MovingJoint(f"axis_{i}", kind, "l", -6, 6, 1, 1) for i, kind in enumerate(kinds, 1)]
+    rows = "".join(f"{cells(row)}\n" for row in ANGLES)
+    (tmp_path / "t.csv").write_text("J1 [°],J2 [mm],J3 [mm],J1 [A],J2 [A],J3 [A]\n" + rows)
+    wanted = {"q1_deg": "J1 [°]", "q2_mm": "J2 [mm]", "q3_mm": "J3 [mm]"}
+    assert guess_poses(tmp_path / "t.csv", arm).keys["columns"] == wanted
+
+
 def test_joints_of_position_registers():
     text = "[*POSREG*]$POSREG  Storage: CMOS  Access: RW  : ARRAY[1,9] OF Position Reg\n"
     text += "    [1,1] =   'Home'   Group: 1\n  J1 =  10.000 deg   J2 =  -60.000 deg   J3 =   .500 deg \n"
@@ -255,6 +264,12 @@ def test_an_open_quotation_mark_and_a_missing_mark_are_faults(tmp_path):
         guess_points(tmp_path / "t.csv")
 
 
+@pytest.mark.parametrize("text", ["X,Y,Z", "t,X,Y,Z\n,mm\n1,2,3,4\n2,3,4,5\n"])
+def test_a_table_that_breaks_off_is_no_crash(tmp_path, text):
+    (tmp_path / "t.csv").write_text(text)
+    assert bool(guess_points(tmp_path / "t.csv").lacking) == (text == "X,Y,Z")
+
+
 def test_parted_thousands_are_said_to_be_that(tmp_path):
     text = long(["pose;target;x;y;z"], row="{};{};{:,.3f};{:,.3f};{:,.3f}")
     (tmp_path / "points.csv").write_text(text)
@@ -262,3 +277,8 @@ def test_parted_thousands_are_said_to_be_that(tmp_path):
     assert (found.keys["columns"]["x_mm"], found.targets) == ("x", ["T1", "T2", "T3"])
     table = read_table(tmp_path / "points.csv", Layout(separator=";", columns={"x_mm": "x"}), XYZ[:1])
     assert {fault.mend for fault in table.faults[:5]} == {"write it without a sign between the thousands"}
+
+
+def test_a_column_without_a_finite_number_is_no_place(tmp_path):
+    (tmp_path / "t.csv").write_text("".join(f"{i},{cells(PLACES[i, 0])},1e400\n" for i in range(12)))
+    assert guess_points(tmp_path / "t.csv").keys["columns"] == {"pose_id": 1, "x_mm": 2, "y_mm": 3, "z_mm": 4}

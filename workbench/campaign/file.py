@@ -188,7 +188,7 @@ def pose_columns(robot: Robot, joints: Sequence[Joint] = ()) -> list[Column]:
         Column("pose_id", text=True, mend="name every pose"),
         Column("payload", text=True, blank=True),
         Column("setup", text=True, blank=True),
-        Column("t", ("time",), blank=True),
+        Column("t", ("time",), blank=True, mend="write seconds from any beginning, or leave the cell empty"),
         Column("temp", ("temperature",), blank=True),
         *WRENCH_COLUMNS,
     ]

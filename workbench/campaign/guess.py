@@ -228,15 +228,16 @@ def _groups(text: Text, names: Sequence[str], numbers: Sequence[int]) -> dict[st
     groups: dict[str, dict[int, int]] = {}
     for i in numbers:
         name, bare = text.header[i].lower(), plain(text.header[i])
+        other = "" if unit_of(text, i) else stated(text, i)
         parts = re.split(r"[/.:\s]+", name)
         said = {j: part for part in parts for j, one in enumerate(names, 1) if part == one.lower()}
         if bare in own:
-            groups.setdefault(f"[{stated(text, i)}]", {}).setdefault(own[bare], i)
+            groups.setdefault(other, {}).setdefault(own[bare], i)
         elif said:
             j, part = next(iter(said.items()))
             groups.setdefault(name.replace(part, ""), {}).setdefault(j, i)
         elif match := JOINT.fullmatch(bare):
-            stem = f"{re.sub('[0-9]', '', bare)} [{stated(text, i)}]"
+            stem = f"{re.sub('[0-9]', '', bare)} {other}"
             groups.setdefault(stem, {}).setdefault(int(match[1]), i)
     return {stem: _from_one(columns, len(names)) for stem, columns in groups.items()}
 

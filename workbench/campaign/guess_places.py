@@ -146,4 +146,5 @@ def _side_by_side(text: Text, numbers: Sequence[int]) -> list[Triple]:
 def _spread(text: Text, index: int) -> float:
     """The standard deviation of a column; 0 where it numbers the rows."""
     values = text.numbers(index)
-    return 0.0 if counts(text.columns[index]) else float(np.std(values[np.isfinite(values)]))
+    seen = values[np.isfinite(values)]
+    return 0.0 if counts(text.columns[index]) or not len(seen) else float(np.std(seen))

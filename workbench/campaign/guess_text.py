@@ -113,10 +113,11 @@ def read(path: Path) -> Text:
     start = 1 if counted else _start(rows, width)
     body = [row[:width] for row in rows[start:] if len(row) >= width]
     at, header = (None, []) if counted else _names(rows[:start], body, width)
-    units = next((tuple(row) for row in rows[at:start] if _are_units(row)), ())
-    apart = bool(units) or (header[-1:] == [""] and any(row[-1] for row in body))
+    said = next((row for row in rows[at:start] if _are_units(row)), [])
+    units = (*said, *[""] * (width - len(said)))
+    apart = bool(said) or (header[-1:] == [""] and any(row[-1] for row in body))
     used = 0 if counted else start if at is None or apart else at
-    above = text.split("\n")[: numbered[used][0] - 1]
+    above = text.split("\n")[: numbered[min(used, len(numbered) - 1)][0] - 1]
     if not header and not counted:
         header = _commented(above, mark, separator, width)
         apart = bool(header)
@@ -126,9 +127,9 @@ def read(path: Path) -> Text:
     keys |= {"skip": len(above)} if used else {}
     keys |= ({"decimal": ","} if comma else {}) | ({"comment": mark} if mark else {})
     keys |= {} if counted or (header and not apart) else {"header": False}
-    said = next((UNITS.get(m[1].lower(), "") for line in above if (m := STATED.search(line))), "")
+    unit = next((UNITS.get(m[1].lower(), "") for line in above if (m := STATED.search(line))), "")
     columns = list(zip(*body, strict=True))
-    return Text(header, columns, keys, counted, apart, units, said if said in LENGTHS else "")
+    return Text(header, columns, keys, counted, apart, units, unit if unit in LENGTHS else "")
 
 
 def _start(rows: Sequence[Sequence[str]], width: int) -> int:
