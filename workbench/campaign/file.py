@@ -69,7 +69,8 @@ class TargetData(_Section):
     on: Name = "flange"
     """flange, base, or a link's name"""
     fixed: bool = False
-    """the place is calibrated: nothing fits it"""
+    """the place is calibrated: nothing fits it; three on the base say where that is, one on the flange beside
+    the last axis how the flange stands about it"""
     opens: Vector3 | None = None
     """direction into which its reflector opens, in the frame of `on`; absent: a plan proposes one"""
 
