@@ -29,10 +29,6 @@ from workbench.robot.description import load_robot
         (('on = "link_2"', "fixed = true"), "targets.T2.fixed: a fixed target needs its place; give xyz_mm"),
         (("mass_kg = 250.0", "mass_kg = -1"), "payloads.heavy.mass_kg: Input should be greater than"),
         (("mass_kg = 250.0\n", ""), "payloads.heavy.mass_kg: is missing; mass_kg = 60.0, say"),
-        (
-            ('file = "poses.csv"', 'file = "poses.csv"\ndecimal = ","'),
-            "poses: separator and decimal are both",
-        ),
         (('file = "poses.csv"', 'file = "poses.csv"\nseparator = "::"'), "poses.separator: String should"),
         (('file = "poses.csv"', 'file = "poses.csv"\ncolumns = { t_s = 0 }'), "poses.columns.t_s"),
         (("[payloads.heavy]", "[noise]\nsigma_mm = 0.0\n[payloads.heavy]"), "noise.sigma_mm: Input should"),

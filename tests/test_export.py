@@ -430,6 +430,25 @@ def test_the_header_weighs_what_is_left_out(tmp_path):
     assert str(item) in (tmp_path / "cylindrical.urdf").read_text(encoding="utf-8")
 
 
+def test_the_header_says_how_far_the_flange_is_turned(tmp_path):
+    """By Pinocchio on the file: a long tool is off by that as well, beside the flange's millimetres."""
+    soft = EffectRecord(cause="joint_compliance", joint="shoulder_lift_joint", values={"compliance": 2.5e-5})
+    robot = model(tmp_path, "ur10", (soft,))
+    written = export(robot, "urdf", tmp_path, conditions=LOAD)
+    content = content_of(robot, None, LOAD)
+    other = pinocchio.buildModelFromUrdf(str(written.files[0]))
+    data, tool = other.createData(), other.getFrameId(robot.flange)
+    turns = []
+    for q, R in zip(content.problem.q, content.flange(content.extended.acting)[1], strict=True):
+        pinocchio.framesForwardKinematics(other, data, q)
+        turns.append(1e3 * np.linalg.norm(pinocchio.log3(data.oMf[tool].rotation @ R.T)))
+    cost = written.cost
+    assert cost.turn_mean_mrad == pytest.approx(np.mean(turns), rel=1e-6)
+    assert cost.turn_max_mrad == pytest.approx(max(turns), rel=1e-6)
+    assert cost.turn_max_mrad > 1.0
+    assert f"turned against it: {cost.turn_mean_mrad:.3f} mrad on average" in written.files[0].read_text()
+
+
 def test_springs_that_move_nothing_are_left_out(tmp_path):
     """They would ask for steps of microseconds."""
     stiff = EffectRecord(cause="bearing_tilt", joint="joint_5", values={"compliance": 1e-14})

@@ -17,8 +17,9 @@ from workbench.identification.fit import Fit, fit
 from workbench.identification.model import Model
 from workbench.identification.model_file import write_fit
 from workbench.identification.noise import Covariance
-from workbench.identification.own_base import is_measured, own_base
+from workbench.identification.own_base import flange_is_measured, is_measured, own_base
 from workbench.robot.description import load_robot
+from workbench.simulation.export import export
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
 SIGMA = 1e-4  # m
@@ -61,6 +62,7 @@ def test_a_corrected_path_lies_in_the_robots_own_base(truth, tmp_path):
     q = np.linspace([0.1, -1.2, 1.5, 0.2, 0.9, 0.1], [0.5, -1.0, 1.3, 0.4, 0.7, -0.2], 40)
     done = compensate(model, Path(np.arange(40.0), q=q), Conditions(*LOAD))
     assert any("no target on the base was measured" in note for note in done.notes)
+    assert any("calibrated" in note and "take the tool anew" in note for note in done.notes)
 
     def off(command: np.ndarray) -> np.ndarray:
         """(120, 3) [m] from where the true robot's targets should be, in its own base. What nothing can tell
@@ -104,3 +106,30 @@ def test_a_base_that_was_measured_stays(truth):
     kept = own_base(problem, found.state.geometry)
     assert kept.geometry[1, 3] == pytest.approx(2e-3, abs=3e-4)
     assert np.array_equal(kept.gravity, problem.arm.gravity)
+
+
+BESIDE = Target("F", (0.0, 0.1, 0.05), fixed=True)
+ON_THE_AXIS = Target("F", (0.005, 0.0, 0.05), fixed=True)
+
+
+@pytest.mark.parametrize(("target", "told"), [(None, False), (ON_THE_AXIS, False), (BESIDE, True)])
+def test_a_fixed_target_beside_the_last_axis_tells_how_the_flange_stands_on_it(target, told, tmp_path):
+    """Targets that are fitted turn and shift with joint 6; under a load beside its axis its zero runs off by
+    milliradians, and a corrected program turned the tool by as much."""
+    robot, true = load_robot("kr500"), Truth(sigma=SIGMA)
+    q = random_poses(robot, 60, np.random.default_rng(1))
+    plan = planned(
+        robot, q, targets=(*TARGETS, *ON_BASE, *([target] if target else [])),
+        payloads={LOAD[0]: LOAD[1:]}, payload=[LOAD[0]] * len(q),
+    )  # fmt: skip
+    problem = problem_of(simulate(plan, true, seed=1))
+    assert flange_is_measured(problem) == told
+    noise = Covariance(np.full(problem.seen.shape, SIGMA), np.zeros(6), np.ones(len(q)))
+    found = fit(Model(problem), noise=noise)
+    assert (abs(found.state.geometry[6, 5]) < 2e-4) == told
+    write_fit(tmp_path / "model.toml", found)
+    model = load_robot(tmp_path / "model.toml")
+    done = compensate(model, Path(np.arange(5.0), q=q[:5]), Conditions(*LOAD))
+    header = export(model, "dh", tmp_path / "dh").header
+    assert any("take the tool anew" in note for note in done.notes) != told
+    assert any(line.startswith("flange: how it stands") for line in header) != told

@@ -217,7 +217,7 @@ def test_decimal_comma(tmp_path: Path) -> None:
     np.testing.assert_allclose([table.numbers[axis][0] for axis in "xyz"], [1.5e-3, -2e-3, 3e-4])
     assert faults(table) == [
         "points.csv line 3: x_mm is '1.5', not a number; say decimal = \".\"",
-        "points.csv line 3: y_mm is '1.000,5', not a number; leave the line out",
+        "points.csv line 3: y_mm is '1.000,5', not a number; write it without a sign between the thousands",
     ]
 
 

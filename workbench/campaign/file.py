@@ -69,7 +69,8 @@ class TargetData(_Section):
     on: Name = "flange"
     """flange, base, or a link's name"""
     fixed: bool = False
-    """the place is calibrated: nothing fits it"""
+    """the place is calibrated: nothing fits it; three on the base say where that is, one on the flange beside
+    the last axis how the flange stands about it"""
     opens: Vector3 | None = None
     """direction into which its reflector opens, in the frame of `on`; absent: a plan proposes one"""
 
@@ -143,12 +144,6 @@ def read_campaign_file(path: Path) -> CampaignFile:
     if file.points.wide and file.points.turned_mm is not None:
         mend = "give the targets of a 6-D measurement a row each, or take it out"
         faults.append(Fault(f"{path}: points.turned_mm", "does not go with targets side by side", mend))
-    for section in ("poses", "points"):
-        layout: TableFile = getattr(file, section)
-        if layout.separator == layout.decimal:
-            both = repr(layout.decimal)
-            mend = 'say separator = ";" or whatever separates the columns'
-            faults.append(Fault(f"{path}: {section}", f"separator and decimal are both {both}", mend))
     if faults:
         raise InputError(faults)
     return file
@@ -194,7 +189,7 @@ def pose_columns(robot: Robot, joints: Sequence[Joint] = ()) -> list[Column]:
         Column("pose_id", text=True, mend="name every pose"),
         Column("payload", text=True, blank=True),
         Column("setup", text=True, blank=True),
-        Column("t", ("time",), blank=True),
+        Column("t", ("time",), blank=True, mend="write seconds from any beginning, or leave the cell empty"),
         Column("temp", ("temperature",), blank=True),
         *WRENCH_COLUMNS,
     ]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.chain import MovingJoint
-from .file import QUATERNION
+from .guess_places import measured, places_of, quaternion
 from .guess_text import (
     Array,
     Text,
@@ -24,8 +24,10 @@ from .guess_text import (
     counts,
     is_numbers,
     length_unit,
+    plain,
     read,
     repeats,
+    stated,
     unit_of,
 )
 from .program_joints import ARM, joint_table, program_of, says_tool_poses
@@ -37,7 +39,6 @@ BESIDE = 0.02  # of a joint's range: as near to a limit as it is within
 FITS = 0.03  # of the spread of the points: what the right columns are off the robot at most
 CLEARLY = 4.0  # times as far off as the best, or as
 EXACT = 1e-3  # of the spread: other columns than the right ones
-AS_MUCH = 0.5  # of what the columns vary by that vary most: those of measured beside nominal places do
 TURNED = 100.0  # mm along the axes of a 6-D measurement, as far as targets usually are from the flange
 ROWS, FEWEST = 60, 8  # of a table, that are looked at
 POSE = (
@@ -72,7 +73,7 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
         joint_table(words, program, path)
         return _of_program(program, keys, joints)
     if says_tool_poses(words):
-        why = "its positions are the tool's, which say no joints: export jointtargets (RAPID) or axes (KRL)"
+        why = "its positions are the tool's, which say no joints: export jointtargets (RAPID), axes (KRL)"
         return Guessed(lacking=[f"joint {i}" for i in range(1, len(joints) + 1)], why=why)
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
@@ -80,7 +81,8 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
         carried = text.columns[text.header.index("payload")]
         found.payloads = [name for name in dict.fromkeys(carried) if name]
     numbers = _joint_columns(text, joints)
-    identity = _first(text, POSE, set(numbers.values()))
+    taken = set(numbers.values())
+    identity = _first(text, POSE, taken if text.header else {*taken, *measured(text)})
     return _of_joints(text, found, joints, numbers, identity)
 
 
@@ -146,12 +148,12 @@ def guess_points(path: Path) -> Guessed:
     """Keys for the table of the instrument's points. Raises `InputError` where the file cannot be read."""
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
-    places = _triples(text)
+    places, found.why = places_of(text)
     if not places:
         found.lacking += ["x", "y", "z"]
         return found
     taken = {index for triple in places.values() for index in triple}
-    identity = _first(text, POSE, taken if text.header else {*taken, *_measured(text)})
+    identity = _first(text, POSE, taken if text.header else {*taken, *measured(text)})
     return _of_places(text, found, places, identity, taken)
 
 
@@ -171,13 +173,13 @@ def _of_places(
         columns["pose_id"] = text.name(identity)
         taken = {*taken, identity}
     if len(places) == 1:
-        target = _first(text, TARGET, taken if text.header else {*taken, *_measured(text)})
+        target = _first(text, TARGET, taken if text.header else {*taken, *measured(text)}, min(own))
         if target is not None and repeats(text.columns[target]):
             columns["target"] = text.name(target)
             found.targets = list(dict.fromkeys(text.columns[target]))
         (triple,) = places.values()
         columns |= {f"{axis}_{unit}": text.name(i) for axis, i in zip("xyz", triple, strict=True)}
-        if turned := _quaternion(text):
+        if turned := quaternion(text):
             columns |= turned
             found.keys["turned_mm"] = TURNED
         return _mapped(found, columns)
@@ -195,13 +197,6 @@ def _mapped(found: Guessed, columns: dict[str, str | int]) -> Guessed:
     return found
 
 
-def _plain(name: str) -> str:
-    """Letters and digits of a name without its unit."""
-    bare = re.sub(r"[\[(].*?[\])]", "", name.lower())
-    bare = re.sub(r"[ _.-]+(mm|m|deg|rad|°)$", "", bare.strip())
-    return re.sub(r"[^a-z0-9]", "", bare)
-
-
 def _joint_unit(text: Text, joint: MovingJoint, index: int, all_joints: Sequence[int]) -> str:
     """The unit of a joint's column, as its name says it or as large as its numbers are."""
     slides = ("mm" if text.largest(index) > 5 else "m") if joint.kind == "prismatic" else None
@@ -212,20 +207,52 @@ def _joint_columns(text: Text, joints: Sequence[MovingJoint]) -> dict[int, int]:
     """Joint (from 1) → column: by the robot's own names, by names with a number; without a header the columns
     side by side that vary and lie within the limits, the last of them."""
     numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
-    names = [joint.name for joint in joints]
     if not text.header:
         windows = _windows(text, joints)
         return dict(enumerate(windows[-1], 1)) if windows else {}
-    plain = {i: _plain(text.header[i]) for i in numbers}
-    own = {_plain(name): j for j, name in enumerate(names, 1)} | {
-        _plain(name).removesuffix("joint"): j for j, name in enumerate(names, 1)
-    }
-    found = {own[name]: i for i, name in reversed(plain.items()) if name in own}
-    if len(found) == len(names):
-        return found
-    counted = [(int(match[1]), i) for i, name in plain.items() if (match := JOINT.fullmatch(name))]
-    first = min((number for number, _ in counted), default=1)
-    return {number + 1 - first: i for number, i in reversed(counted) if number + 1 - first <= len(names)}
+    groups = _groups(text, [joint.name for joint in joints], numbers)
+    if not groups:
+        return {}
+    best = max(groups.values(), key=len)
+    whole = [(key, one) for key, one in groups.items() if len(one) == len(joints)]
+    if whole:
+        _, best = min(whole, key=lambda item: _rank(text, item[0], item[1]))
+    return best
+
+
+def _groups(text: Text, names: Sequence[str], numbers: Sequence[int]) -> dict[str, dict[int, int]]:
+    """Joint (from 1) → column, of the columns that are named alike but for the joint: by the rest of the
+    name."""
+    own = {plain(name): j for j, name in enumerate(names, 1)}
+    own |= {name.removesuffix("joint"): j for name, j in own.items()}
+    groups: dict[str, dict[int, int]] = {}
+    for i in numbers:
+        name, bare = text.header[i].lower(), plain(text.header[i])
+        other = "" if unit_of(text, i) else stated(text, i)
+        parts = re.split(r"[/.:\s]+", name)
+        said = {j: part for part in parts for j, one in enumerate(names, 1) if part == one.lower()}
+        if bare in own:
+            groups.setdefault(other, {}).setdefault(own[bare], i)
+        elif said:
+            j, part = next(iter(said.items()))
+            groups.setdefault(name.replace(part, ""), {}).setdefault(j, i)
+        elif match := JOINT.fullmatch(bare):
+            stem = f"{re.sub('[0-9]', '', bare)} {other}"
+            groups.setdefault(stem, {}).setdefault(int(match[1]), i)
+    return {stem: _from_one(columns, len(names)) for stem, columns in groups.items()}
+
+
+def _from_one(columns: Mapping[int, int], n: int) -> dict[int, int]:
+    """The columns of n joints at most; some count from 0."""
+    first = min(1, *columns)
+    return {j + 1 - first: i for j, i in columns.items() if j + 1 - first <= n}
+
+
+def _rank(text: Text, stem: str, columns: Mapping[int, int]) -> tuple[int, bool]:
+    """0: their unit is that of a joint; 1: they state none; 2: another, or another quantity. What was
+    commanded comes before what was read back."""
+    unit, other = unit_of(text, columns[1]), stated(text, columns[1]) or ("/" in stem and "pos" not in stem)
+    return 0 if unit else 2 if other else 1, not re.search("target|cmd|soll", stem)
 
 
 def _windows(text: Text, joints: Sequence[MovingJoint]) -> list[range]:
@@ -299,59 +326,12 @@ def _fitting(
     return window, sorted(places)
 
 
-def _triples(text: Text) -> dict[str, tuple[int, int, int]]:
-    """Target → columns of x, y, z."""
-    numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
-    if not text.header:
-        places = _side_by_side(text, numbers)
-        return {"": places[-1]} if places else {}
-    axes: dict[str, dict[str, int]] = {}
-    for i in numbers:
-        plain = _plain(text.header[i])
-        match = re.fullmatch(r"([xyz])(\w*)|(\w*?)([xyz])", plain)
-        if match:
-            axis, name = (match[1], match[2]) if match[1] else (match[4], match[3])
-            axes.setdefault(name, {}).setdefault(axis, i)
-    whole = {name: (a["x"], a["y"], a["z"]) for name, a in axes.items() if len(a) == 3}
-    if "" in whole or len(whole) == 1:
-        return {"": whole.get("", next(iter(whole.values())))}
-    return {f"T{name}" if name.isdigit() else name.upper(): triple for name, triple in whole.items()}
-
-
-def _side_by_side(text: Text, numbers: Sequence[int]) -> list[tuple[int, int, int]]:
-    """Columns of numbers, one after the other, that may be x, y and z of a table without a header: those of
-    which all three vary, about as much as of any. Uncertainties, quaternions, times beside them do not."""
-    places = list(zip(numbers, numbers[1:], numbers[2:], strict=False))
-    worth = [min(_spread(text, i) for i in place) for place in places]
-    return [place for place, least in zip(places, worth, strict=True) if least >= AS_MUCH * max(worth)]
-
-
-def _measured(text: Text) -> set[int]:
-    """Columns of numbers with decimals: they are no names."""
-    return {
-        i for i, column in enumerate(text.columns) if is_numbers(column) and not "".join(column).isdigit()
-    }
-
-
-def _spread(text: Text, index: int) -> float:
-    """The standard deviation of a column; 0 where it numbers the rows."""
-    values = text.numbers(index)
-    return 0.0 if counts(text.columns[index]) else float(np.std(values[np.isfinite(values)]))
-
-
-def _quaternion(text: Text) -> dict[str, str | int]:
-    """Columns of a 6-D measurement by their names, which say where the scalar is: qw ... qz, or q0 ... q3."""
-    plain = {_plain(name): i for i, name in enumerate(text.header) if is_numbers(text.columns[i])}
-    for names in (QUATERNION, ("q0", "q1", "q2", "q3")):
-        if set(names) <= plain.keys():
-            return {our: text.name(plain[name]) for our, name in zip(QUATERNION, names, strict=True)}
-    return {}
-
-
-def _first(text: Text, names: Sequence[str], taken: set[int]) -> int | None:
-    """The first column that is called so; without a header, the first one that is left."""
+def _first(text: Text, names: Sequence[str], taken: set[int], before: int | None = None) -> int | None:
+    """The first column that is called so; without a header, the first one left that varies, else the last
+    one left `before` a column."""
     left = [i for i in range(len(text.columns)) if i not in taken]
     if not text.header:
-        return left[0] if left else None
-    plain = {_plain(text.header[i]): i for i in reversed(left)}
-    return next((plain[name] for name in names if name in plain), None)
+        alike = [i for i in left if before is None or i < before] or left
+        return next((i for i in left if text.varies(i)), alike[-1] if alike else None)
+    called = {plain(text.header[i]): i for i in reversed(left)}
+    return next((called[name] for name in names if name in called), None)

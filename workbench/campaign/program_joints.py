@@ -21,11 +21,17 @@ _SIX = rf"\[\s*({NUMBER}(?:\s*,\s*{NUMBER}){{{ARM - 1}}})\s*\]"
 _RAPID = re.compile(rf"(?:\bjointtarget\s+(\w+)\s*:=\s*)?\[\s*{_SIX}\s*,\s*{_SIX}\s*\]", re.I)
 _KRL = re.compile(rf"(?:\b(?:E[36]?)?AXIS\s+(\w+)\s*=\s*)?\{{([^{{}}]*\bA1\s+{NUMBER}[^{{}}]*)\}}", re.I)
 _FIELD = re.compile(rf"\b([AE]\d)\s+({NUMBER})", re.I)
-_LS = re.compile(r"\bP\[\s*(\d+)[^\]]*\]\s*\{([^{}]*\bJ1\s*=[^{}]*)\}", re.I)
-_LS_FIELD = re.compile(rf"\b([JE]\d)\s*=\s*({NUMBER})", re.I)
+_LS = re.compile(
+    r"\bP\[\s*(?P<p>\d+)[^\]]*\]\s*\{(?P<taught>[^{}]*\bJ1\s*=[^{}]*)\}"
+    r"|\[\s*1\s*,\s*(?P<pr>\d+)\s*\]\s*=\s*'[^'\n]*'\s*Group:\s*1\s+(?P<register>J1\s*=[^\[]*)",
+    re.I,
+)
+_LS_FIELD = re.compile(rf"\b([JE])(?:XT)?(\d)\s*[=:]\s*({NUMBER})", re.I)
 _VAL3 = re.compile(r"<Value\b[^<>]*\bj1=[^<>]*>")
 _VAL3_FIELD = re.compile(rf'\bj(\d)="({NUMBER})"')
-_TOOL_POSES = re.compile(r"\brobtarget\b|\bE[36]?POS\b|\{\s*X\s+[-+\d]", re.I)
+_TOOL_POSES = re.compile(
+    r"\brobtarget\b|\bE[36]?POS\b|\{\s*X\s+[-+\d]|\bX\s*[:=]\s*[-+.\d]+[\s,m]+Y\s*[:=]", re.I
+)
 
 
 def _rapid(text: str) -> Iterator[Position]:
@@ -43,9 +49,11 @@ def _krl(text: str) -> Iterator[Position]:
 
 def _ls(text: str) -> Iterator[Position]:
     for match in _LS.finditer(text):
-        said = {key.upper(): value for key, value in _LS_FIELD.findall(match[2])}
+        fields = _LS_FIELD.findall(match["taught"] or match["register"])
+        said = {f"{key}{number}".upper(): value for key, number, value in fields}
         arm = [said.pop(f"J{i}", "") for i in range(1, ARM + 1)]
-        yield match.start(), f"P{match[1]}", [*arm, *(said[key] for key in sorted(said))]
+        name = f"P{match['p']}" if match["p"] else f"PR{match['pr']}"
+        yield match.start(), name, [*arm, *(said[key] for key in sorted(said))]
 
 
 def _val3(text: str) -> Iterator[Position]:
@@ -63,7 +71,7 @@ PROGRAMS: dict[str, Callable[[str], Iterator[Position]]] = {
 SAID = {  # how each says them, for messages
     "rapid": "jointtarget p1 := [[0,10,20,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]]; a robtarget says no joints",
     "krl": "{A1 0,A2 -90,A3 90,A4 0,A5 30,A6 0}; E6POS and X, Y, Z, A, B, C say no joints",
-    "ls": "P[1]{ GP1: J1= 0.0 deg, ... }; X, Y, Z, W, P, R say no joints",
+    "ls": "P[1]{ GP1: J1= 0.0 deg, ... }, or joints in POSREG.VA; X, Y, Z, W, P, R say no joints",
     "val3": '<Value key="0" j1="0" j2="-90" ... /> of a .dtx; points say no joints',
 }
 

@@ -139,7 +139,7 @@ _PAYLOAD = """\
 
 _POSES = """\
 file = "poses.csv"
-# separator = ";"                 # decimal = ",", header = false, comment = "//", encoding = "latin-1"
+# separator = ";"     # decimal = ",", skip = 4, header = false, comment = "//", encoding = "latin-1"
 # columns = {{ {mapping} }}
 # A sign that the controller counts the other way: {first} = "-J1". Another unit than the name says:
 # units = {{ {first} = "{other}" }}"""

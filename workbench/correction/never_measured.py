@@ -26,6 +26,12 @@ def never_measured(trajectory: Trajectory) -> Iterator[str]:
             "no target on the base was measured: the path is right in itself, but all of it may be shifted, "
             "as far as axis 1 stands otherwise in the base: take base or work object anew with this model"
         )
+    if not data.flange_measured:
+        yield (
+            "no target on the flange is stated as calibrated (fixed = true): the tool may be turned about "
+            f"and shifted along the axis of {trajectory.nominal.names[-1]}, everywhere alike: take the tool "
+            "anew with this model"
+        )
     yield from _elsewhere(trajectory, data)
     other = beyond_load(trajectory.extended.problem, data.flange_load)
     if other.any():

@@ -17,6 +17,9 @@ from .table_columns import Found, Layout
 
 Array = NDArray[np.float64]
 
+ABSENT = ("", "-", "--", "---", "nan", "n/a", "#n/a", "na", "null", "none")  # what stands where nothing is
+PARTED = re.compile(r"[+-]?\d{1,3}(,\d{3})+\.\d+|[+-]?\d{1,3}(\.\d{3})+,\d+|[+-]?\d{1,3}([' ]\d{3})+[.,]\d+")
+
 
 @dataclass
 class ColumnRead:
@@ -47,7 +50,7 @@ class ColumnRead:
                 huge = np.isfinite(values) & (np.abs(values) > LARGEST)
                 self.huge += [lines[row] for row in np.flatnonzero(huge).tolist()]
             if column.blank:
-                rows = [row for row in rows if cells[row]]
+                rows = [row for row in rows if cells[row].lower() not in ABSENT]
         self.wrong += [(lines[row], *_tell(self.found, cells[row], self.layout)) for row in rows]
 
     def faults(self, path: Path) -> list[Fault]:
@@ -92,6 +95,8 @@ def _tell(found: Found, cell: str, layout: Layout) -> tuple[str, str]:
     other = "," if layout.decimal == "." else "."
     if re.fullmatch(rf"[+-]?\d*\{other}\d+([eE][+-]?\d+)?", cell):
         return f"{found.label} is {cell!r}, not a number", f'say decimal = "{other}"'
+    if PARTED.fullmatch(cell):
+        mend = "write it without a sign between the thousands"
     kind = (
         "a finite number" if np.isinf(_number(cell, layout.decimal)) or cell.lower() == "nan" else "a number"
     )

@@ -98,8 +98,12 @@ def text_of(content: bytes, path: Path, encoding: str) -> str:
     text = _decoded(path, content, encoding).replace("\r\n", "\n").replace("\r", "\n")
     if (found := CONTROL.search(text)) is not None:
         line = text.count("\n", 0, found.start()) + 1
-        what = f"has the control character {found.group()!r}"
-        raise InputError(Fault(f"{path} line {line}", what, "is it text? take the character out"))
+        what, mend = f"has the control character {found.group()!r}", "is it text? take the character out"
+        if found.group() == "\x00":
+            mend = (
+                'is it UTF-16 without a mark? save it as UTF-8; of a table, encoding = "utf-16-le" may say it'
+            )
+        raise InputError(Fault(f"{path} line {line}", what, mend))
     return text
 
 

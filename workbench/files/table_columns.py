@@ -41,8 +41,10 @@ class Layout(BaseModel):
     """between columns; a blank means any run of blanks and tabs"""
     decimal: Literal[".", ","] = "."
     """point or comma"""
+    skip: Annotated[int, Field(ge=0)] = 0
+    """lines above the table, titles and settings of the instrument, that are passed over"""
     header: bool = True
-    """the first line names the columns"""
+    """the first line (behind those) names the columns; where it stands again between rows, it is no row"""
     comment: str = ""
     """what comment lines begin with"""
     encoding: Annotated[str, AfterValidator(_known_encoding)] = "utf-8"

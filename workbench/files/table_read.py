@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import compress, islice
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ from .table_units import Unit
 from .toml import LONGEST
 
 Array = NDArray[np.float64]
+TOP = 50  # lines at most in which a header is sought
 
 
 def _no_lines() -> NDArray[np.int64]:
@@ -92,7 +93,7 @@ def parse_table(text: str, path: Path, layout: Layout, wanted: Sequence[Column],
         return find_columns(cells, max(width, len(cells)), layout, wanted, first, place or str(path))
 
     finding = find(rows[0][:width] if layout.header else [""] * width)
-    if (fault := wrong_layout(ends, layout, finding, find, first)) is not None:
+    if (fault := wrong_layout(ends, _top(text, layout), layout, finding, find, first)) is not None:
         table.faults = [*_cannot_be_split(text, path, layout), fault]
         return table
     table.unused = [] if layout.columns else finding.unused
@@ -113,6 +114,11 @@ def _scanned(text: str, layout: Layout) -> tuple[Numbered, list[int]]:
     ]
 
 
+def _top(text: str, layout: Layout) -> Numbered:
+    """Some of the first lines."""
+    return list(islice((item for block in blocks(text, layout) for item in block), TOP))
+
+
 def _cannot_be_split(text: str, path: Path, layout: Layout) -> list[Fault]:
     return [fault for block in blocks(text, layout) for fault in split(block, layout.separator, str(path))[2]]
 
@@ -131,12 +137,14 @@ def _read_rows(table: Table, text: str, layout: Layout, finding: Finding, width:
     """The rows below the header, block by block, into the table."""
     columns = [ColumnRead(found, layout) for found in finding.found.values()]
     cannot, ragged, kept, torn = list[Fault](), list[tuple[int, str, str]](), list[int](), list[int]()
-    header = layout.header
+    header: list[str] | None = None
     for block in blocks(text, layout):
         rows, lines, faults = split(block, layout.separator, str(table.path))
         cannot += faults
-        if header and rows:
-            rows, lines, header = rows[1:], lines[1:], False
+        if layout.header and rows:
+            header = rows[0] if header is None else header
+            below = [row != header for row in rows]
+            rows, lines = list(compress(rows, below)), list(compress(lines, below))
         if layout.separator == ",":
             torn += [line for row, line in zip(rows, lines, strict=True) if torn_numbers(row, width)]
         body, here = _rectangular(rows, lines, width, ragged)
@@ -152,6 +160,9 @@ def _read_rows(table: Table, text: str, layout: Layout, finding: Finding, width:
     if len(torn) > len(kept) + 1:  # what most rows have is how the table was written
         table.faults.append(decimal_commas(f"{table.path} line {torn[0]}", len(torn)))
         ragged = [told for told in ragged if told[0] not in torn]
+    if kept and ragged and not layout.header and ragged[-1][0] < kept[0]:
+        mend = f"if the table begins below it, say skip = {kept[0] - 1}"
+        ragged = [(line, what, mend) for line, what, _ in ragged]
     table.faults += line_faults(table.path, ragged)
     for column in columns:
         _put(table, column)

@@ -32,7 +32,7 @@ def blocks(text: str, layout: Layout) -> Iterator[Numbered]:
         yield [
             (at, line)
             for at, line in enumerate(lines, number)
-            if line.strip(empty) and not (comment and line.lstrip().startswith(comment))
+            if at > layout.skip and line.strip(empty) and not (comment and line.lstrip().startswith(comment))
         ]
         number, start = number + len(lines), len(text) if end < 0 else end + 1
 
@@ -73,14 +73,17 @@ def usual_width(rows: Iterable[Sequence[str]]) -> int:
 
 def wrong_layout(
     numbered: Numbered,
+    top: Numbered,
     layout: Layout,
     finding: Finding,
     find: Callable[[list[str]], Finding],
     place: str,
 ) -> Fault | None:
-    """The one fault behind many: a comment mark, a separator or a missing header not told.
+    """The one fault behind many: a comment mark, a separator, lines above the table or a missing header not
+    told.
 
-    `finding` is what was found with the layout as told, `find` what would be found in these cells.
+    `numbered` are the first line and the last, `top` some more of the first ones; `finding` is what was found
+    with the layout as told, `find` what would be found in these cells.
     """
     line = numbered[0][1]
     if finding.missing:
@@ -93,6 +96,10 @@ def wrong_layout(
                 return Fault(
                     place, f"columns are separated by {_named(separator)}", _say(separator, numbered)
                 )
+        for number, other in top[1:] if layout.header else []:
+            if _fits(other, layout.separator, finding, find):
+                what = f"the names of the columns stand below it, in line {number}"
+                return Fault(place, what, f"say skip = {number - 1}")
     last = _cells_or_none(numbered[-1][1], layout.separator)
     if layout.separator == " " and (ends := {cell[-1] for cell in last[:-1]} & {",", ";"}):
         separator = ends.pop()

@@ -88,6 +88,11 @@ def _counted(robot: Robot) -> list[str]:
         found.append(
             "base: axis 1 stands in it as the nominal robot has it; no target on the base was measured"
         )
+    if robot.uncertainty is not None and not robot.uncertainty.flange_measured:
+        found.append(
+            f"flange: how it stands about and along the axis of {robot.joint_names[-1]} nobody measured; no "
+            "target on it is stated as calibrated (fixed = true)"
+        )
     if robot.controller.model_dump(exclude_defaults=True):
         found.append(
             "joints: as the URDF counts them; the controller's own zeros, signs and couplings are others"

@@ -22,15 +22,15 @@ class Format:
     """One format. carries: see `kept.kept_of`. write: (content, header) → file name → what is in it. whole:
     the model as it is; otherwise the geometry makes up for what is left out (`kept.refitted`).
 
-    notes: what else a reader must know, a line each; flange: (N, 3) [m] of a format that only comes near the
-    geometry. Both raise `InputError` for a robot that the format cannot hold.
+    notes: what else a reader must know, a line each; flange: (N, 3) [m] and its rotation (N, 3, 3), of a
+    format that only comes near the geometry. Both raise `InputError` for a robot that the format cannot hold.
     """
 
     title: str
     carries: frozenset[str]
     write: Callable[[Content, list[str]], Files]
     notes: Callable[[Content], list[str]] = nothing
-    flange: Callable[[Content], Array] | None = None
+    flange: Callable[[Content], tuple[Array, Array]] | None = None
     whole: bool = False
 
 

@@ -48,9 +48,9 @@ def fit(content: Content) -> tuple[Array, Array]:
     return _nearest(arm, q, ideal, signs), signs
 
 
-def near(content: Content) -> Array:
-    """(N, 3) [m] flange of the fitted arm in the content's poses."""
-    return flange(*fit(content), content.problem.q)[0]
+def near(content: Content) -> tuple[Array, Array]:
+    """Flange (N, 3) [m] and its rotation (N, 3, 3) of the fitted arm in the content's poses."""
+    return flange(*fit(content), content.problem.q)
 
 
 def write(content: Content, header: list[str]) -> Files:
