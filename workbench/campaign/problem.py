@@ -16,6 +16,7 @@ from ..robot.loads import Loads, Wrenches, wrenches
 from . import Campaign, drive_torque
 
 REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
+BESIDE = 0.01  # m from the last axis: a target that is nearer shows no turn about it
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,19 @@ class Problem:
     @cached_property
     def hidden_corrections(self) -> frozenset[int]:
         """Columns of corrections that no measured point can show."""
-        return hidden_corrections(self.arm)
+        return hidden_corrections(self.arm, self.flange_measured)
+
+    @cached_property
+    def flange_measured(self) -> bool:
+        """Whether a fixed target beside the last axis says how the flange stands about and along it."""
+        arm, last = self.arm, self.arm.n
+        for target, on, seen in zip(self.campaign.targets, self.on, self.seen.any(axis=0), strict=True):
+            if target.fixed and on >= last and seen:
+                place = arm.R_link[on] @ np.array(target.xyz)
+                x, y, _ = place if on == last else arm.R[-1] @ place + arm.p[-1]
+                if np.hypot(x, y) > BESIDE:
+                    return True
+        return False
 
     @cached_property
     def warmth(self) -> Array | None:

@@ -2,9 +2,6 @@
 
 Only gravity does, faintly: what a fit makes of that is how far the base is from level, and no error of the
 robot. Unless the base was measured, it is where axis 1 stands in it as the model says.
-
-At the other end nothing tells how the flange stands about and along the last axis from how the targets sit on
-it: a load that hangs beside that axis does, faintly.
 """
 
 from __future__ import annotations
@@ -18,7 +15,6 @@ from ..robot.kinematics import RX, Arm, Array
 from ..robot.rotations import from_xyz
 
 ENOUGH = 3  # points of the base that say where it is
-BESIDE = 0.01  # m from the last axis: a target that is nearer shows no turn about it
 
 
 @dataclass(frozen=True)
@@ -46,17 +42,6 @@ def is_measured(problem: Problem) -> bool:
     there = problem.seen.any(axis=0)
     on_base = [t.fixed and on == 0 for t, on in zip(problem.campaign.targets, problem.on, strict=True)]
     return int((there & np.array(on_base, dtype=bool)).sum()) >= ENOUGH
-
-
-def flange_is_measured(problem: Problem) -> bool:
-    """Whether a fixed target beside the last axis says how the flange stands on it."""
-    arm = problem.arm
-    for i, target in enumerate(problem.campaign.targets):
-        if target.fixed and problem.on[i] == arm.slots - 1 and problem.seen[:, i].any():
-            x, y, _ = arm.R[-1] @ np.array(target.xyz) + arm.p[-1]
-            if np.hypot(x, y) > BESIDE:
-                return True
-    return False
 
 
 def own_base(problem: Problem, geometry: Array) -> OwnBase:

@@ -36,12 +36,10 @@ from ..weighing.replication import (
     shown_by,
 )
 from ..weighing.scan import Line
-from ..weighing.stand_ins import SURELY, believed_share
 from .rounds import BETTER, CLEARER, LOOSE, Begun, Round, converged, effects_of, refitted, scaled_of, standing
 from .stages import Group, rms_mm
 
 SHOWS = 6.0  # χ²(2) of a gear's line: one of chance is as large once in twenty
-MOSTLY = 0.5  # of a difference in χ², from which forms miss little of it
 UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
 
 
@@ -141,17 +139,10 @@ class Selection:
     def worth_mm(self, member: Member, part: slice = slice(None)) -> float:
         """RMS length [mm] of what a member, or a part of its numbers, makes of the points."""
         members = self.members if member in self.members else [member]
-        return made_mm(self.fit, self.reduced, members, members.index(member), part)
-
-
-def made_mm(
-    fit: Fit, reduced: Reduced, members: Sequence[Member], i: int, part: slice = slice(None)
-) -> float:
-    """RMS length [mm] of what the i-th of some members, or a part of its numbers, makes of the points."""
-    chosen = Chosen(reduced, members)
-    index, beta = chosen.index[chosen.own[i]][part], chosen.beta[chosen.own[i]][part]
-    S = reduced.S.between(index, index)
-    return 1e3 * fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / reduced.dof))
+        chosen, i = Chosen(self.reduced, members), members.index(member)
+        index, beta = chosen.index[chosen.own[i]][part], chosen.beta[chosen.own[i]][part]
+        S = self.reduced.S.between(index, index)
+        return 1e3 * self.fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / self.reduced.dof))
 
 
 def compete(prepared: Prepared, candidates: Sequence[Effect], since: Selection | None = None) -> Selection:
@@ -283,30 +274,6 @@ def _heldout_mm(best: Round, members: Sequence[Member]) -> float:
     return known[own]
 
 
-def _no_excuse(best: Round, members: Sequence[Member], shares: Sequence[Shares]) -> list[Shares]:
-    """The shares, where the likeliest other predicts worse in a member's place by surely more than forms
-    miss: there as if all were true to their forms. Where forms miss little, others that are less likely are
-    not asked."""
-    competition, out = best.competition, list(shares)
-    chosen = Chosen(competition.reduced, members)
-    for i, member in enumerate(members):
-        own = member.component
-        others = {k: p for k, p in shares[i].items() if k not in (own, None)}
-        k = max(others, key=lambda k: others[k], default=None)
-        small = believed_share(chosen, i) > MOSTLY
-        if k is None or shares[i][own] >= PRIORS.named or (small and others[k] < shares[i][own]):
-            continue
-        alone: list[Shares] = [{m.component: 1.0} for m in members]
-        alone[i] = {k: 1.0}
-        new, _ = renamed(competition, members, alone)
-        if {m.component for m in new} == {m.component for m in members}:
-            continue
-        missed = SURELY * PRIORS.form * made_mm(best.found, competition.reduced, members, i)
-        if _heldout_mm(best, new) ** 2 > _heldout_mm(best, members) ** 2 + missed**2:
-            out[i] = competition.shares(members, true=frozenset({own}))[i]
-    return out
-
-
 def _likeliest(
     prepared: Prepared, candidates: Sequence[Effect], since: Selection | None = None
 ) -> tuple[Round, list[Member], list[Shares]]:
@@ -323,7 +290,6 @@ def _likeliest(
             break
         del members[least]  # one at a time: two that stand in for each other are not both superfluous
         shares = best.competition.shares(members)
-    shares = _no_excuse(best, members, shares)
     # forms are not as true as the search takes them: of two that may be, what predicts better decides
     members, shares = renamed(best.competition, members, shares, below=PRIORS.absent)
     members, shares = _renamed_at_no_loss(best, members, shares)

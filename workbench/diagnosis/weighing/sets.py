@@ -259,15 +259,14 @@ class Competition:
             found = dict(zip(there, weighed, strict=True))
             yield from (found.get(n) for n in some)
 
-    def shares(self, members: Sequence[Member], true: frozenset[int] = frozenset()) -> list[Shares]:
-        """For each member: probability of it, of each stand-in, and of nothing (None) in its place. true:
-        components in whose place forms are taken to be true.
+    def shares(self, members: Sequence[Member]) -> list[Shares]:
+        """For each member: probability of it, of each stand-in, and of nothing (None) in its place.
 
         What would help beside the whole set as well stands in for nobody by that; and nothing stands in for
         what is certain to be there.
         """
         out = []
-        chosen, stand_ins = Chosen(self.reduced, members), StandIns(self.forms, self.components, true)
+        chosen, stand_ins = Chosen(self.reduced, members), StandIns(self.forms, self.components)
         anyway = {k: max(w.log_odds, 0.0) for k, w in self.beside(chosen).items()}
         least = np.array([anyway[k] + self.components[k].log_odds + EXPLAINS for k in anyway])
         most = self.forms.most(chosen, list(anyway), range(len(members))) if members else np.zeros((0, 0))

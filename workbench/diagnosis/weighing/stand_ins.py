@@ -36,9 +36,9 @@ def believed_share(chosen: Chosen, i: int) -> float:
 
 
 def share_of_any(difference: float) -> float:
-    """Of a difference in χ², the share that can be believed however much forms may miss: what one misses
-    lies in one of many directions, and a form that misses far less than another by chance has to do so in
-    each of them (the evidence for a miss of unknown size, log-uniform, falls as its power of the dimension)."""
+    """Of a difference in χ², the share that can be believed whatever forms miss: what they do lies in one of
+    many directions, and one that misses far less by chance does so in all of them (the likelihood of a miss
+    of a size that nobody knows, log-uniform, falls as that size to the power of the dimension)."""
     per_direction = difference / PRIORS.directions
     return float(np.log1p(per_direction) / per_direction) if per_direction > 0 else 1.0
 
@@ -47,16 +47,14 @@ class StandIns:
     """Components in each other's place at one linearisation.
 
     That one fits better than another says less than it seems to. No form is quite true: what a large
-    effect's form misses is as large as a small effect (`PRIORS.form`), and some odds are too large by a
+    effect's form misses is as large as a small effect (`PRIORS.form`, `PRIORS.directions`), and some odds are too large by a
     factor (`times_too_sure`) but for what a cause that may be true to its form wins without its companions.
     That excuses no spring that pushes back: no form that is missed turns its sign.
-    Two orders of one gear are one form. true: components in whose place forms are taken to be true.
+    Two orders of one gear are one form.
     """
 
-    def __init__(
-        self, forms: Forms, components: Sequence[Component], true: frozenset[int] = frozenset()
-    ) -> None:
-        self.forms, self.components, self.true = forms, components, true
+    def __init__(self, forms: Forms, components: Sequence[Component]) -> None:
+        self.forms, self.components = forms, components
         self.reduced = forms.reduced
 
     def believed(
@@ -70,9 +68,7 @@ class StandIns:
             k: v for k, v in logs.items() if k == own or self._of_itself(chosen, i, k, weights[k], takes[k])
         }
         rivals = [k for k in logs if self._differ(k, own)]
-        excused = (
-            [] if own in self.true else [k for k in rivals if not self._pushes(chosen, i, k, weights[k])]
-        )
+        excused = [k for k in rivals if not self._pushes(chosen, i, k, weights[k])]
         bending = [k for k in excused if self.components[k].by_loads] if self.components[own].by_loads else []
         out = self._no_truer_than_forms(chosen, i, takes, logs, [k for k in excused if k not in bending])
         out |= self._nor_dearer(chosen, i, takes, weights, logs, bending)

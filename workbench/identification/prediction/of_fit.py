@@ -24,7 +24,7 @@ from ...robot.uncertainty import DIGITS, LEAST, ToolPoint, Turning, Uncertainty,
 from ..fit import Fit, start_state
 from ..model import Model
 from ..noise import Covariance, stated_noise
-from ..own_base import flange_is_measured, own_base
+from ..own_base import own_base
 from ..parameters import body_motion
 from ..set_up import fit_set_up
 from .left_out import RIGID, Leaver, tempered
@@ -90,7 +90,7 @@ def _uncertainty(result: Fit) -> Uncertainty | None:
         nominal_base=_numbers(base),
         campaign=_called(problem, gauge.setup),
         base_measured=kept.measured,
-        flange_measured=flange_is_measured(problem),
+        flange_measured=problem.flange_measured,
         turn_measured=not idle.size,
         names=at.names,
         factor=factor_lines(factor),
