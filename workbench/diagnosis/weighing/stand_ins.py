@@ -69,9 +69,7 @@ class StandIns:
         }
         rivals = [k for k in logs if self._differ(k, own)]
         excused = [k for k in rivals if not self._pushes(chosen, i, k, weights[k])]
-        bending = [k for k in excused if self.components[k].by_loads] if self.components[own].by_loads else []
-        out = self._no_truer_than_forms(chosen, i, takes, logs, [k for k in excused if k not in bending])
-        out |= self._nor_dearer(chosen, i, takes, weights, logs, bending)
+        out = self._no_truer_than_forms(chosen, i, takes, weights, logs, excused)
         for k in rivals:
             times = self._times_too_sure(k, own)
             if times == 1:
@@ -97,40 +95,35 @@ class StandIns:
         chosen: Chosen,
         i: int,
         takes: dict[int, float],
-        logs: dict[int, float],
-        rivals: Sequence[int],
-    ) -> dict[int, float]:
-        """log odds by how much better or worse rivals fit as far as that can be believed; functions without a
-        name, which have no form, may be worse. takes: what each takes off χ² there."""
-        own, left = chosen.members[i].component, self.reduced
-        rest = chosen.explained_without(i)
-        mine, out = takes[own], dict(logs)
-        for k in rivals:
-            theirs = takes[k]
-            if self.components[k].nameless and theirs < mine:
-                continue
-            better = float(likelihood(left, rest, np.array(theirs)) - likelihood(left, rest, np.array(mine)))
-            most = 0.5 * self._share(chosen, i, theirs - mine) * self._in_noise(chosen, theirs - mine)
-            out[k] += float(np.clip(better, -most, most)) - better
-        return out
-
-    def _nor_dearer(
-        self,
-        chosen: Chosen,
-        i: int,
-        takes: dict[int, float],
         weights: dict[int, Weight],
         logs: dict[int, float],
         rivals: Sequence[int],
     ) -> dict[int, float]:
-        """log odds of rivals where what their freedom and the i-th member's costs counts as little as what
-        they take off χ². This is of those that bend an arm by its loads: what they have beside their forms is
-        what these miss, while a joint's own error is free to be any."""
-        own, out = chosen.members[i].component, dict[int, float]()
+        """log odds by how much better or worse rivals fit as far as that can be believed; functions without a
+        name, which have no form, may be worse. takes: what each takes off χ² there.
+
+        Where the one of two fits better that has more freedom, what that costs counts as little as what it
+        brings: the other has none for what its form misses."""
+        own = chosen.members[i].component
+        rest, mine, out = chosen.explained_without(i), takes[own], dict(logs)
+
+        def beyond_prior(k: int) -> float:
+            return weights[k].log_odds - self.components[k].log_odds
+
         for k in rivals:
-            share = self._share(chosen, i, takes[k] - takes[own])
-            less = self.forms.less_sure(chosen, [own, k], i, share)
-            out[k] = logs[k] + less[k] - weights[k].log_odds - (less[own] - weights[own].log_odds)
+            theirs, nameless = takes[k], self.components[k].nameless
+            if nameless and theirs < mine:
+                continue
+            ours, its = (likelihood(self.reduced, rest, np.array(takes)) for takes in (mine, theirs))
+            better = float(its - ours)
+            share = self._share(chosen, i, theirs - mine)
+            freer = beyond_prior(k) - beyond_prior(own) - better
+            if better * freer < 0 and not nameless:
+                less = self.forms.less_sure(chosen, [own, k], i, share)
+                out[k] += less[k] - weights[k].log_odds - (less[own] - weights[own].log_odds)
+            else:
+                most = 0.5 * share * self._in_noise(chosen, theirs - mine)
+                out[k] += float(np.clip(better, -most, most)) - better
         return out
 
     def _in_noise(self, chosen: Chosen, difference: float) -> float:
