@@ -67,7 +67,9 @@ def test_a_form_that_is_a_little_off_is_no_proof_against_a_rival_that_is_a_littl
     keys = [("link_bending", Where(link="link_1")), ("bearing_tilt", Where(joint="joint_2"))]
     small, large = (share_of_second(chi2, 0.03, keys) for chi2 in (40.0, 8000.0))
     # one misses 0.03 of itself, the other 0.06: 21 of χ² at 8000, as many as chance makes once in 30,000
-    believed = 0.5 * 8000 * (0.06**2 - 0.03**2) / (1 + PRIORS.form**2 * 8000)
+    more = 8000 * (0.06**2 - 0.03**2)
+    believed = 0.5 * PRIORS.directions * np.log(1 + more / PRIORS.directions)
+    assert believed > 0.5 * more / (1 + PRIORS.form**2 * 8000)  # were the usual miss all that is known
     assert large == pytest.approx(1 / (1 + np.exp(believed)), rel=0.05)
     assert small == pytest.approx(0.5, abs=0.05)
     assert share_of_second(8000.0, 0.3, keys) < 1e-6  # another form altogether
@@ -122,7 +124,7 @@ def test_a_wheel_that_runs_out_once_and_twice_a_turn_is_one_cause_with_both_numb
         f"{wheel},variant=1,amplitude=3e-4,phase=0.4",
         f"{wheel},variant=2,amplitude=2.1e-4,phase=1.1",
     )
-    result = found(measured("lrmate200id", (once, twice), poses=80))
+    result = found(measured("lrmate200id", (once, twice), poses=120))
     (cause,) = result.causes
     assert (cause.cause, cause.status) == ("gear_eccentricity", "named")
     said = {p.name: p for p in cause.parameters}

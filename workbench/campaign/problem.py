@@ -100,8 +100,8 @@ class Problem:
     def flange_measured(self) -> bool:
         """Whether a fixed target beside the last axis says how the flange stands about and along it."""
         arm, last = self.arm, self.arm.n
-        for target, on, seen in zip(self.campaign.targets, self.on, self.seen.any(axis=0), strict=True):
-            if target.fixed and on >= last and seen:
+        for i, (target, on) in enumerate(zip(self.campaign.targets, self.on, strict=True)):
+            if target.fixed and on >= last and self.seen[:, i].any():
                 place = arm.R_link[on] @ np.array(target.xyz)
                 x, y, _ = place if on == last else arm.R[-1] @ place + arm.p[-1]
                 if np.hypot(x, y) > BESIDE:

@@ -16,9 +16,10 @@ class Priors:
     weights 1/(1 + s²) per s; largest: beyond which no cause bends an arm by its loads, or excuses points that
     are far off; smallest: below which nothing is that is certain to be there: else a cause that looks like it
     would take its place after all. form: share of an effect that its form and its companions miss, on a real
-    machine; directions: in how many of all what they miss lies, effectively; kin, yields: times over that log odds are too sure between a run-out and a map of one joint, and
-    between two causes that yield to loads; shadow: size of a cause by loads, over that of what loads do
-    without a name, from which it is no part of that.
+    machine; directions: in how many of all what they miss lies, effectively; kin, yields: times over that log
+    odds are too sure between a run-out and a map of one joint, and between two causes that yield to loads;
+    shadow: size of a cause by loads, over that of what loads do without a name, from which it is no part of
+    that.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
     physics holds to one sign has the other; other_side: the same of what goes with the side of approach,
     which campaigns may write down the other way round; pushes_back: of a spring, which would give against

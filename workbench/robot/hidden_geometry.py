@@ -37,7 +37,7 @@ def hidden_corrections(arm: Arm, flange_measured: bool = True) -> frozenset[int]
     for i, column in enumerate(order, start=12):
         turn = column % 6 > TZ
         last = column // 6 == arm.n and not flange_measured
-        if left[i] > DEPENDENT or (turn and (column < 12 or column % 6 == RZ and not last)):
+        if left[i] > DEPENDENT or (turn and (column < 12 or (column % 6 == RZ and not last))):
             continue
         instead = np.linalg.lstsq(columns[:, :i], columns[:, i], rcond=DEPENDENT)[0]
         if np.abs(instead[12:]).max(initial=0.0) <= TEN:

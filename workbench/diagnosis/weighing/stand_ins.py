@@ -47,8 +47,9 @@ class StandIns:
     """Components in each other's place at one linearisation.
 
     That one fits better than another says less than it seems to. No form is quite true: what a large
-    effect's form misses is as large as a small effect (`PRIORS.form`, `PRIORS.directions`), and some odds are too large by a
-    factor (`times_too_sure`) but for what a cause that may be true to its form wins without its companions.
+    effect's form misses is as large as a small effect (`PRIORS.form`, `PRIORS.directions`), and some odds are
+    too large by a factor (`times_too_sure`) but for what a cause that may be true to its form wins without
+    its companions.
     That excuses no spring that pushes back: no form that is missed turns its sign.
     Two orders of one gear are one form.
     """
@@ -102,8 +103,8 @@ class StandIns:
         """log odds by how much better or worse rivals fit as far as that can be believed; functions without a
         name, which have no form, may be worse. takes: what each takes off χ² there.
 
-        Where the one of two fits better that has more freedom, what that costs counts as little as what it
-        brings: the other has none for what its form misses."""
+        Where the one of two fits better that has more freedom, by more than chance makes of that, what it
+        costs counts as little as what it brings: the other has none for what its form misses."""
         own = chosen.members[i].component
         rest, mine, out = chosen.explained_without(i), takes[own], dict(logs)
 
@@ -115,14 +116,15 @@ class StandIns:
             if nameless and theirs < mine:
                 continue
             ours, its = (likelihood(self.reduced, rest, np.array(takes)) for takes in (mine, theirs))
-            better = float(its - ours)
-            share = self._share(chosen, i, theirs - mine)
+            better, more = float(its - ours), self._in_noise(chosen, theirs - mine)
             freer = beyond_prior(k) - beyond_prior(own) - better
             if better * freer < 0 and not nameless:
+                by_chance = abs(self._width(k, weights) - self._width(own, weights))
+                share = self._share(chosen, i, max(more - by_chance, 0.0))
                 less = self.forms.less_sure(chosen, [own, k], i, share)
                 out[k] += less[k] - weights[k].log_odds - (less[own] - weights[own].log_odds)
             else:
-                most = 0.5 * share * self._in_noise(chosen, theirs - mine)
+                most = 0.5 * self._share(chosen, i, more) * more
                 out[k] += float(np.clip(better, -most, most)) - better
         return out
 
@@ -134,7 +136,12 @@ class StandIns:
 
     def _share(self, chosen: Chosen, i: int, difference: float) -> float:
         """Of a difference in χ² between two in the i-th member's place, the share that can be believed."""
-        return max(believed_share(chosen, i), share_of_any(self._in_noise(chosen, difference)))
+        return max(believed_share(chosen, i), share_of_any(difference))
+
+    def _width(self, k: int, weights: dict[int, Weight]) -> int:
+        """Number of columns of a component in its likeliest form."""
+        part = self.reduced.parts[k][weights[k].form]
+        return part.stop - part.start
 
     def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight, takes: float) -> bool:
         """Whether enough of what a component takes off χ² is the effect's own, and not its companions'."""
