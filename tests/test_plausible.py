@@ -583,6 +583,22 @@ def test_a_check_does_not_promise_that_calibration_mends_another_robot():
     assert "calibration takes most of that" in right.text
 
 
+def test_a_check_says_of_a_target_that_is_none_in_one_line():
+    """Rotations that were read as places, as of a table with both."""
+
+    def rotations(places):
+        places[:, 1] = np.random.default_rng(1).uniform(-0.18, 0.18, (len(places), 3))
+        places[5, 2] += 2.0
+        return places
+
+    checked = check_campaign(first_look(points(honest(), rotations)))
+    (said,) = (lines for title, lines in checked.sections.items() if title.startswith("Suspicious"))
+    assert len(said) == 2
+    assert said[0].startswith("T2: 40 of its 40 points")
+    assert "T3" in said[1]
+    assert len(checked.facts["suspicious"]) == 41
+
+
 def test_the_command_line_warns_of_a_zero_that_is_off(tmp_path, capsys):
     path = str(write_campaign(tmp_path / "c", turn(2, 3.0)(honest("ur5"))))
     assert main(["diagnose", path, "--json"]) == 0

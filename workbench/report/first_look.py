@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..campaign.flange_load import external_forces
 from ..diagnosis.first_look import SUSPICIOUS, FirstLook
@@ -24,6 +25,7 @@ from .scene import Shown, scene_of
 
 NAMES = ("x", "y", "z", "out along the arm")  # of the axes
 LISTED = 12  # suspicious points by name
+MOSTLY = 0.5  # of a target's points
 
 
 @dataclass(frozen=True)
@@ -69,8 +71,7 @@ def check_campaign(look: FirstLook) -> Checked:
     campaign, mm = look.campaign, 1e3 * look.distance
     bad = np.flatnonzero(look.suspicious)
     bad = bad[np.argsort(-mm[bad])]
-    listed = [f"pose {look.names[i]}: {mm[i]:.1f} mm off" for i in bad[:LISTED]]
-    listed += [f"and {len(bad) - LISTED} more"] if len(bad) > LISTED else []
+    listed = _listed(look, bad)
     targets = ", ".join(target.name for target in campaign.targets)
     calibrated = "no calibration mends that" if look.wrong else "calibration takes most of that"
     read = [
@@ -113,6 +114,21 @@ def check_campaign(look: FirstLook) -> Checked:
         suspicious=look.suspicious,
     )
     return Checked(campaign.title, headline, sections, facts, campaign.robot, shown)
+
+
+def _listed(look: FirstLook, bad: NDArray[np.int64]) -> list[str]:
+    """Suspicious points, the farthest first; a target of which most are is one line."""
+    mm, said = 1e3 * look.distance, list[str]()
+    for i, target in enumerate(look.campaign.targets):
+        own, all_of_it = bad[look.target[bad] == i], int((look.target == i).sum())
+        if len(own) > max(MOSTLY * all_of_it, 1):
+            said.append(
+                f"{target.name}: {len(own)} of its {all_of_it} points, {mm[own].min():.1f} to "
+                f"{mm[own].max():.1f} mm off; are its columns x, y, z those of a target there? else leave it out"
+            )
+            bad = bad[look.target[bad] != i]
+    said += [f"pose {look.names[i]}: {mm[i]:.1f} mm off" for i in bad[:LISTED]]
+    return said + ([f"and {len(bad) - LISTED} more"] if len(bad) > LISTED else [])
 
 
 def _noise(look: FirstLook) -> str:
