@@ -124,7 +124,7 @@ def _listed(look: FirstLook, bad: NDArray[np.int64]) -> list[str]:
         if len(own) > max(MOSTLY * all_of_it, 1):
             said.append(
                 f"{target.name}: {len(own)} of its {all_of_it} points, {mm[own].min():.1f} to "
-                f"{mm[own].max():.1f} mm off; are its columns x, y, z those of a target there? else leave it out"
+                f"{mm[own].max():.1f} mm off; are its x, y, z those of a target there? else leave it out"
             )
             bad = bad[look.target[bad] != i]
     said += [f"pose {look.names[i]}: {mm[i]:.1f} mm off" for i in bad[:LISTED]]
