@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..robot.compensator import CompensatorLaw
 from ..robot.description import Robot
 from ..robot.hidden_geometry import hidden_corrections
-from ..robot.kinematics import Arm, Array, Frames, frames
+from ..robot.kinematics import RZ, TZ, Arm, Array, Frames, frames
 from ..robot.loads import Loads, Wrenches, wrenches
 from . import Campaign, drive_torque
 
@@ -94,7 +94,15 @@ class Problem:
     @cached_property
     def hidden_corrections(self) -> frozenset[int]:
         """Columns of corrections that no measured point can show."""
-        return hidden_corrections(self.arm, self.flange_measured)
+        return hidden_corrections(self.arm)
+
+    @cached_property
+    def flange_stays(self) -> frozenset[int]:
+        """Columns of corrections that turn the flange about the last axis or shift it along that, unless it
+        was measured. Loads alone tell them from how the targets sit on it, so faintly that a fit would move
+        the flange at random."""
+        last = 6 * self.arm.n
+        return frozenset() if self.flange_measured else frozenset({last + TZ, last + RZ})
 
     @cached_property
     def flange_measured(self) -> bool:

@@ -18,6 +18,7 @@ from .registration import STATED_TARGET, UNKNOWN_TARGET
 
 GEOMETRY_PRIOR = (5e-3, 5e-3)  # m, rad
 LEVER_PRIOR = (5e-4, 5e-4)  # m, rad, of a correction that no point shows: it changes levers of loads alone
+AS_STATED = (1e-7, 1e-7)  # m, rad, of a correction that is not fitted
 FRAME_PRIOR = 10.0  # m, rad: as good as none
 
 
@@ -87,11 +88,14 @@ def columns(
     every = range(6, 6 * (arm.n + 1))
     chosen = (every if geometry else ()) if isinstance(geometry, bool) else geometry
     which = np.array(chosen, dtype=np.int64)
-    hidden = problem.hidden_corrections if geometry is True else frozenset[int]()
+    priors = dict.fromkeys(which.tolist(), GEOMETRY_PRIOR)
+    if geometry is True:
+        priors |= dict.fromkeys(problem.hidden_corrections, LEVER_PRIOR)
+        priors |= dict.fromkeys(problem.flange_stays, AS_STATED)
     for column in which.tolist():
         slot, component = divmod(column, 6)
         names.append(f"geometry/{arm.names[slot - 1]}/{GEOMETRY[component]}")
-        prior.append((LEVER_PRIOR if column in hidden else GEOMETRY_PRIOR)[component // 3])
+        prior.append(priors[column][component // 3])
     for item in given:
         names += [f"given/{name}" for name in effect_names(item.effect)]
         prior.append(item.std)

@@ -12,15 +12,13 @@ DEPENDENT = 1e-6  # of a column: what is left of it beside the columns before it
 TEN = 10.0  # times as far as itself, m and rad, what stands in for a correction goes at most: farther is none
 
 
-def hidden_corrections(arm: Arm, flange_measured: bool = True) -> frozenset[int]:
+def hidden_corrections(arm: Arm) -> frozenset[int]:
     """Columns 6 · slot + component of corrections that the base, the tool on the flange and the corrections
     before them make as well, in any pose of the rigid arm (base parameters, chosen by QR: Gautier 1991).
 
     A joint's own zero comes before its shifts and these before its other turns: so of a link that lies
     otherwise between its two axes, which shows in loads alone, the joints' zeros are what may be off. These
-    are never among them, nor are the base's own turns, which gravity shows. But the last zero is where nobody
-    measured how the flange stands about its axis: a load beside that shows it, so faintly that a fit would
-    turn the flange at random.
+    are never among them, nor are the base's own turns, which gravity shows.
     """
     order = [6 * slot + c for slot in range(1, arm.n + 1) for c in (RZ, TX, TY, TZ, RX, RY)]
     rng = np.random.default_rng(0)
@@ -36,8 +34,7 @@ def hidden_corrections(arm: Arm, flange_measured: bool = True) -> frozenset[int]
     hidden = set[int]()
     for i, column in enumerate(order, start=12):
         turn = column % 6 > TZ
-        last = column // 6 == arm.n and not flange_measured
-        if left[i] > DEPENDENT or (turn and (column < 12 or (column % 6 == RZ and not last))):
+        if left[i] > DEPENDENT or (turn and (column < 12 or column % 6 == RZ)):
             continue
         instead = np.linalg.lstsq(columns[:, :i], columns[:, i], rcond=DEPENDENT)[0]
         if np.abs(instead[12:]).max(initial=0.0) <= TEN:
