@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
 
@@ -62,33 +61,22 @@ class Forms:
 
         return _once(self._weights, asked, weighed)
 
-    def less_sure(
-        self, chosen: Chosen, numbers: Sequence[int], without: int, share: float
-    ) -> dict[int, float]:
-        """log odds of components in the place of a member, were what they and the set explain but a share of
-        what it is in χ², and what is left the same."""
-        gone = np.full(len(numbers), without)
-        weights = self._weighed(chosen, numbers, gone, share)
-        return {k: weight.log_odds for k, weight in zip(numbers, weights, strict=True)}
-
     def _weighed(
         self,
         chosen: Chosen,
         numbers: Sequence[int],
         without: NDArray[np.int64] | None,
-        share: float = 1.0,
     ) -> list[Weight]:
-        """As `weigh`; share: as `less_sure`."""
+        """As `weigh`."""
         rows, counts, first = self._rows(numbers)
         gone = None if without is None else np.repeat(without, counts)
         takes = [chosen.explained] if without is None else [chosen.explained_without(i) for i in without]
-        explained = share * np.repeat(np.resize(takes, len(numbers)), counts)
-        left = replace(self.reduced, chi2=self.reduced.chi2 - (1 - share) * chosen.explained)
+        explained = np.repeat(np.resize(takes, len(numbers)), counts)
         table = np.empty((len(rows), len(SCALES)))
         for here, block in self._alike(rows):
             S, u = chosen.left_of(block, None if gone is None else gone[here])
             own = self._wrong_sign[rows[here]], self._own[rows[here]]
-            table[here] = table_of(left, share * S, share * u, explained[here], *own)
+            table[here] = table_of(self.reduced, S, u, explained[here], *own)
         table += self._log_share[rows, None]
         table[self._ruled_out[rows]] = -np.inf
         most = np.maximum.reduceat(table.max(axis=1), first)

@@ -103,45 +103,30 @@ class StandIns:
         """log odds by how much better or worse rivals fit as far as that can be believed; functions without a
         name, which have no form, may be worse. takes: what each takes off χ² there.
 
-        Where the one of two fits better that has more freedom, by more than chance makes of that, what it
-        costs counts as little as what it brings: the other has none for what its form misses."""
+        Where the one of two fits better that has more freedom, that counts as little as what it brings: the
+        other has none for what its form misses. Where it costs more than it brings, all counts."""
         own = chosen.members[i].component
         rest, mine, out = chosen.explained_without(i), takes[own], dict(logs)
-
-        def beyond_prior(k: int) -> float:
-            return weights[k].log_odds - self.components[k].log_odds
-
         for k in rivals:
             theirs, nameless = takes[k], self.components[k].nameless
             if nameless and theirs < mine:
                 continue
             ours, its = (likelihood(self.reduced, rest, np.array(takes)) for takes in (mine, theirs))
-            better, more = float(its - ours), self._in_noise(chosen, theirs - mine)
-            freer = beyond_prior(k) - beyond_prior(own) - better
-            if better * freer < 0 and not nameless:
-                by_chance = abs(self._width(k, weights) - self._width(own, weights))
-                share = self._share(chosen, i, max(more - by_chance, 0.0))
-                less = self.forms.less_sure(chosen, [own, k], i, share)
-                out[k] += less[k] - weights[k].log_odds - (less[own] - weights[own].log_odds)
-            else:
-                most = 0.5 * self._share(chosen, i, more) * more
-                out[k] += float(np.clip(better, -most, most)) - better
+            better, most = float(its - ours), self._believed(chosen, i, theirs - mine)
+            doubted = better - float(np.clip(better, -most, most))
+            before = self.components[k].log_odds - self.components[own].log_odds
+            odds = weights[k].log_odds - weights[own].log_odds - before
+            if (odds - better) * better < 0 and not nameless:
+                doubted *= max(odds / better, 0.0)
+            out[k] -= doubted
         return out
 
-    def _in_noise(self, chosen: Chosen, difference: float) -> float:
-        """The size of a difference in χ², in what is left as noise."""
+    def _believed(self, chosen: Chosen, i: int, difference: float) -> float:
+        """log odds that can be believed of a difference in χ² between two in the i-th member's place."""
         left = self.reduced
         noise = (left.noise_dof + left.chi2 - chosen.explained) / (left.noise_dof + left.dof)
-        return abs(difference) / max(noise, TINY)
-
-    def _share(self, chosen: Chosen, i: int, difference: float) -> float:
-        """Of a difference in χ² between two in the i-th member's place, the share that can be believed."""
-        return max(believed_share(chosen, i), share_of_any(difference))
-
-    def _width(self, k: int, weights: dict[int, Weight]) -> int:
-        """Number of columns of a component in its likeliest form."""
-        part = self.reduced.parts[k][weights[k].form]
-        return part.stop - part.start
+        more = abs(difference) / max(noise, TINY)
+        return 0.5 * more * max(believed_share(chosen, i), share_of_any(more))
 
     def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight, takes: float) -> bool:
         """Whether enough of what a component takes off χ² is the effect's own, and not its companions'."""
