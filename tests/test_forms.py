@@ -239,8 +239,8 @@ def test_what_explains_by_its_companions_alone_stands_in_for_nothing(plain):
 
 
 def test_of_a_large_cause_companions_cost_no_more_than_their_gain_is_believed():
-    """A mass, and a bending link that moves all alike and has a companion that shows at five sigma: by 29
-    log odds, of which forms that are not quite true leave one; the companion's price shrinks with it."""
+    """A mass, and a bending link that moves all alike and has a companion that shows at eight sigma: 32 log
+    odds, of which forms that are not quite true leave six; the companion's price shrinks with it."""
     S = np.diag([1e4, 1.0, 1e4])
     S[0, 2] = S[2, 0] = 1e4
     effects = LinkBending(Where(link="link_1")), LinkMass(Where(link="link_2"), "mass", 1.0, 1.0)
@@ -255,8 +255,9 @@ def test_of_a_large_cause_companions_cost_no_more_than_their_gain_is_believed():
     weights = dict(enumerate(every.weigh(own, [0, 1], np.array([0, 0]))))
     logs = {k: weight.log_odds for k, weight in weights.items()}
     believed = StandIns(every, components).believed(own, 0, weights, logs)
-    assert logs[0] - logs[1] > 10
-    assert 0 < believed[0] - believed[1] < 2
+    gain = 0.5 * PRIORS.directions * np.log1p(8.0**2 / PRIORS.directions)
+    assert 10 < logs[0] - logs[1] < 0.5 * 8.0**2
+    assert 0.5 * gain < believed[0] - believed[1] < gain
 
 
 def test_companions_take_their_share_of_what_is_left():
