@@ -13,6 +13,8 @@ from workbench.campaign.problem import problem_of
 from workbench.correction.command import compensate
 from workbench.correction.conditions import Conditions
 from workbench.correction.paths import Path
+from workbench.diagnosis.telling.facts import geometry as geometry_of
+from workbench.diagnosis.telling.facts import unidentifiable
 from workbench.identification.fit import Fit, fit
 from workbench.identification.model import Model
 from workbench.identification.model_file import write_fit
@@ -130,6 +132,9 @@ def test_a_fixed_target_beside_the_last_axis_tells_how_the_flange_stands_on_it(t
     found = fit(Model(problem), noise=noise)
     assert found.state.geometry[6, 5] == pytest.approx(1e-3 if told else 0.0, abs=2e-4 if told else 1e-6)
     assert abs(found.state.geometry[6, 2]) < 1e-6 or told
+    fitted = {parameter.name for parameter in geometry_of(found)}
+    assert ({"joint_6/rz", "joint_6/tz"} <= fitted) == told  # else no number with an interval
+    assert told or {"joint_6/rz", "joint_6/tz"} <= set(unidentifiable(found))
     write_fit(tmp_path / "model.toml", found)
     model = load_robot(tmp_path / "model.toml")
     done = compensate(model, Path(np.arange(5.0), q=q[:5]), Conditions(*LOAD))

@@ -17,14 +17,16 @@ ALIKE = 1.05  # times: noises of set-ups that differ by less are one
 
 
 def geometry(final: Fit) -> tuple[Parameter, ...]:
-    """Corrections of the joint frames with standard deviations."""
-    part = final.columns.geometry_slice
+    """Corrections of the joint frames with standard deviations, of those that are fitted."""
+    part, columns = final.columns.geometry_slice, final.columns.geometry
     std = np.sqrt(np.diag(final.covariance)[part])
-    change = final.state.geometry.ravel()[final.columns.geometry]
+    change = final.state.geometry.ravel()[columns]
     names = [name.removeprefix("geometry/") for name in final.columns.names[part]]
+    stay = final.model.problem.flange_stays
     return tuple(
         Parameter(name, float(v), float(s), "rad" if name.rpartition("/")[2].startswith("r") else "m")
-        for name, v, s in zip(names, change, std, strict=True)
+        for name, column, v, s in zip(names, columns.tolist(), change, std, strict=True)
+        if column not in stay
     )
 
 
