@@ -315,6 +315,15 @@ def test_a_ripple_too_fast_is_left_out_and_said() -> None:
     assert all_of_it.after_mm.max() < 1e-6
     coarse = compensate(robot, Path(time[::50], q=q[::50]), bandwidth_hz=100.0)
     assert any("samples per cycle" in note for note in coarse.notes)
+    lines = [
+        (GearKinematicError(Where(joint="joint_1", order=order)), [5e-5, 0.0]) for order in (230.0, 460.0)
+    ]
+    several = compensate(
+        extended(load_robot("kr500"), lines, size=0.0), Path(time[::50], q=q[::50]), bandwidth_hz=100.0
+    )
+    (said,) = (note for note in several.notes if "samples per cycle" in note)  # the faster one's
+    assert said.startswith("gear_kinematic_error(joint_1): down to 0.27 samples per cycle")
+    assert said.endswith("30 times as closely")
 
 
 def test_temperature_and_time_that_are_not_given_are_said() -> None:

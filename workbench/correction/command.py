@@ -312,9 +312,9 @@ def _posture(trajectory: Trajectory, start: Array | None) -> Iterator[str]:
 
 
 def _coarse(trajectory: Trajectory, speed: Array, shares: Shares) -> list[str]:
-    """Ripples that are commanded, and faster than the path's samples can draw."""
-    found = []
+    """Ripples that are commanded, and faster than the path's samples can draw, in one note."""
     rate = 1 / np.gradient(trajectory.path.time)
+    labels, least, every = list[str](), np.inf, np.zeros(len(rate), dtype=bool)
     for i, (effect, _) in enumerate(trajectory.extended.acting):
         if effect.where.order is None:
             continue
@@ -323,9 +323,12 @@ def _coarse(trajectory: Trajectory, speed: Array, shares: Shares) -> list[str]:
         cycles = frequency(effect.where.order, speed[:, joint])
         few = commanded & (cycles * COARSE > rate)
         if few.any():
-            least = float((rate[few] / cycles[few]).min())
-            found.append(
-                f"{effect.label}: {least:.1f} samples per cycle at sample {int(np.flatnonzero(few)[0])} and "
-                f"{few.sum() - 1} others: between samples it is not corrected; sample the path closer"
-            )
-    return found
+            labels.append(effect.label)
+            least, every = min(least, float((rate[few] / cycles[few]).min())), every | few
+    if not labels:
+        return []
+    return [
+        f"{', '.join(dict.fromkeys(labels))}: down to {least:.2g} samples per cycle at {every.sum()} of "
+        f"{len(every)} samples, from sample {int(np.flatnonzero(every)[0])}: between samples it is not "
+        f"corrected; {COARSE} per cycle take a path sampled {int(np.ceil(COARSE / least))} times as closely"
+    ]
