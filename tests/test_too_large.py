@@ -39,4 +39,5 @@ def test_no_link_weighs_more_than_the_whole_arm(share, poses):
     whole = float(problem(plan).arm.mass.sum())
     heavier = parse_effect(f"link_mass:link=link_2,mass={share * whole}", problem(plan))
     found = diagnose(simulate(plan, Truth(effects=(heavier,), sigma=2e-5), seed=1)).diagnosis
-    assert ("link_mass" in {one.cause for one in found.causes}) is (share < 1)
+    said = {one.cause for cause in found.causes for one in (cause, *cause.rivals)}
+    assert ("link_mass" in said) is (share < 1)  # a tie: a run-out of joint 2 is as likely
