@@ -81,8 +81,7 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
         carried = text.columns[text.header.index("payload")]
         found.payloads = [name for name in dict.fromkeys(carried) if name]
     numbers = _joint_columns(text, joints)
-    taken = set(numbers.values())
-    identity = _first(text, POSE, taken if text.header else {*taken, *measured(text)})
+    identity = _first(text, POSE, _nameless(text, set(numbers.values())))
     return _of_joints(text, found, joints, numbers, identity)
 
 
@@ -153,7 +152,7 @@ def guess_points(path: Path) -> Guessed:
         found.lacking += ["x", "y", "z"]
         return found
     taken = {index for triple in places.values() for index in triple}
-    identity = _first(text, POSE, taken if text.header else {*taken, *measured(text)})
+    identity = _first(text, POSE, _nameless(text, taken))
     return _of_places(text, found, places, identity, taken)
 
 
@@ -173,7 +172,7 @@ def _of_places(
         columns["pose_id"] = text.name(identity)
         taken = {*taken, identity}
     if len(places) == 1:
-        target = _first(text, TARGET, taken if text.header else {*taken, *measured(text)}, min(own))
+        target = _first(text, TARGET, _nameless(text, taken), min(own))
         if target is not None and repeats(text.columns[target]):
             columns["target"] = text.name(target)
             found.targets = list(dict.fromkeys(text.columns[target]))
@@ -324,6 +323,11 @@ def _fitting(
         if other == window and value < limit:
             places += [place] * all(set(place).isdisjoint(one) for one in places)
     return window, sorted(places)
+
+
+def _nameless(text: Text, taken: set[int]) -> set[int]:
+    """Columns that name nothing: those that are taken; without a header those that were measured as well."""
+    return taken if text.header else {*taken, *measured(text)}
 
 
 def _first(text: Text, names: Sequence[str], taken: set[int], before: int | None = None) -> int | None:

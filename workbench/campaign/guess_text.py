@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..files import table_units
 from ..files.column_read import ABSENT, PARTED
 from ..files.faults import BYTE_ORDER_MARKS, Fault, InputError, read_text
 from ..files.table_rows import SEPARATORS, cells, content, split, usual_width
@@ -37,8 +38,8 @@ UNITS = {
     }.items()
     for word in words.split()
 }
-LENGTHS = ("mm", "m", "cm", "um", "in")
-BEHIND = r"[ _.-]+(mm|m|cm|um|in|deg|rad|mrad|°)\s*$"  # a name, as its unit
+LENGTHS = tuple(unit for unit, known in table_units.UNITS.items() if known.dimension == "length")
+BEHIND = rf"[ _.-]+({'|'.join([*dict.fromkeys(UNITS.values()), '°'])})\s*$"  # a name, as its unit
 STATED = re.compile(r"\bunits?\b\W+(\w+)", re.I)  # of all columns, above the table
 
 
@@ -139,9 +140,8 @@ def _start(rows: Sequence[Sequence[str]], width: int) -> int:
     held = [sum(_is_number(row[k]) for row in end) for k in range(width)]
     blank = [sum(row[k].lower() in ABSENT for row in end) for k in range(width)]
     numbers = [k for k in range(width) if held[k] and held[k] + blank[k] >= MOSTLY * len(end)]
-    always = next(
-        (k for k in numbers if not blank[k]), None
-    )  # time, or a number: a line of ids leaves it out
+    # time, or a number: a line of ids leaves it out
+    always = next((k for k in numbers if not blank[k]), None)
     for i in full:
         said = [rows[i][k] for k in numbers]
         begins = any(map(_is_number, said)) if always is None else _is_number(rows[i][always])

@@ -93,7 +93,8 @@ def parse_table(text: str, path: Path, layout: Layout, wanted: Sequence[Column],
         return find_columns(cells, max(width, len(cells)), layout, wanted, first, place or str(path))
 
     finding = find(rows[0][:width] if layout.header else [""] * width)
-    if (fault := wrong_layout(ends, _top(text, layout), layout, finding, find, first)) is not None:
+    top = _top(text, layout) if finding.missing else []
+    if (fault := wrong_layout(ends, top, layout, finding, find, first)) is not None:
         table.faults = [*_cannot_be_split(text, path, layout), fault]
         return table
     table.unused = [] if layout.columns else finding.unused

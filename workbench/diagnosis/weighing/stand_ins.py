@@ -107,12 +107,13 @@ class StandIns:
         other has none for what its form misses. Where it costs more than it brings, all counts."""
         own = chosen.members[i].component
         rest, mine, out = chosen.explained_without(i), takes[own], dict(logs)
+        ours = float(likelihood(self.reduced, rest, np.array(mine)))
         for k in rivals:
             theirs, nameless = takes[k], self.components[k].nameless
             if nameless and theirs < mine:
                 continue
-            ours, its = (likelihood(self.reduced, rest, np.array(takes)) for takes in (mine, theirs))
-            better, most = float(its - ours), self._believed(chosen, i, theirs - mine)
+            better = float(likelihood(self.reduced, rest, np.array(theirs))) - ours
+            most = self._believed(chosen, i, theirs - mine)
             doubted = better - float(np.clip(better, -most, most))
             before = self.components[k].log_odds - self.components[own].log_odds
             odds = weights[k].log_odds - weights[own].log_odds - before
