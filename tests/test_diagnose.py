@@ -475,16 +475,25 @@ def test_a_headline_begins_with_what_is_most_of_it(brought, first):
     assert f"the causes bring {brought:.3f} of the 0.060 mm" in said
 
 
-def test_a_headline_says_which_named_cause_the_rest_may_be():
+@pytest.mark.parametrize(
+    ("probability", "found", "first"),
+    [
+        (0.3, False, "Something is left that may be backlash in joint_2, or has no name"),
+        (0.3, True, "Something is left that may be more of the backlash in joint_2, or has no name"),
+        (0.04, False, "Something is left that no known cause explains"),
+    ],
+)
+def test_a_headline_says_which_named_cause_the_rest_may_be(probability, found, first):
     stages = [
         Stage(name, 0, rms, rms, rms, rms)
         for name, rms in (("nominal", 0.7), ("geometry", 0.11), ("all", 0.05))
     ]
     place = Where(joint="joint_2")
-    rivals = (Rival("lost_motion", place, 0.1), Rival("backlash", place, 0.3))
+    rivals = (Rival("lost_motion", place, 0.01), Rival("backlash", place, probability))
     left = Finding("unknown", "", place, "ambiguous", 0.06, 0.6, rivals=rivals)
-    said = headline("unknown", [left], Errors(stages, stages[1], 0.11, 0.05, 0.01, 0.05))
-    assert said.startswith("Something is left that may be backlash in joint_2, or has no name. Held-out")
+    there = [Finding("backlash", "", place, "named", 0.001, 1.0)] if found else []
+    said = headline("unknown", [*there, left], Errors(stages, stages[1], 0.11, 0.05, 0.01, 0.05))
+    assert said.startswith(first)
 
 
 def test_a_headline_says_a_cause_once_with_all_its_places():

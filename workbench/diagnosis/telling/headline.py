@@ -9,6 +9,7 @@ from ...effects import called
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
 from ..prepared import Prepared
+from ..priors import PRIORS
 from ..result import FaultFound, Finding, GivenFact, Rival, Stage, Verdict
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder
 
@@ -144,11 +145,14 @@ def _explained(errors: Errors, repeatability_mm: float | None) -> str:
 
 
 def _left(findings: Sequence[Finding]) -> str:
-    """What is left that has no name."""
+    """What is left that has no name; what it may be, if that is likelier than what a name leaves open."""
     rivals = [rival for f in findings if f.cause == UNKNOWN for rival in f.rivals]
-    if rivals:
-        likeliest = max(rivals, key=lambda rival: rival.probability)
-        return f"Something is left that may be {words_of(likeliest.cause, likeliest.where)}, or has no name"
+    likeliest = max(rivals, key=lambda rival: rival.probability, default=None)
+    if likeliest is not None and likeliest.probability > 1 - PRIORS.named:
+        words = words_of(likeliest.cause, likeliest.where)
+        if words in [words_of(f.cause, f.where) for f in findings]:
+            words = f"more of the {words}"
+        return f"Something is left that may be {words}, or has no name"
     if any(f.of_campaigns for f in findings):
         return "The robot is not the same in all campaigns"
     like = next((f.like for f in findings if f.like), "")
