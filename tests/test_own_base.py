@@ -19,7 +19,7 @@ from workbench.identification.fit import Fit, fit
 from workbench.identification.model import Model
 from workbench.identification.model_file import write_fit
 from workbench.identification.noise import Covariance
-from workbench.identification.own_base import is_measured, own_base
+from workbench.identification.own_base import own_base
 from workbench.robot.description import load_robot
 from workbench.simulation.export import export
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
@@ -104,7 +104,7 @@ def test_a_base_that_was_measured_stays(truth):
     tilted[1, 3] = 2e-3
     found = fitted(replace(truth, geometry=tilted), *ON_BASE)
     problem = found.model.problem
-    assert is_measured(problem)
+    assert problem.base_measured
     kept = own_base(problem, found.state.geometry)
     assert kept.geometry[1, 3] == pytest.approx(2e-3, abs=3e-4)
     assert np.array_equal(kept.gravity, problem.arm.gravity)

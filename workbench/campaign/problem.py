@@ -16,6 +16,7 @@ from ..robot.loads import Loads, Wrenches, wrenches
 from . import Campaign, drive_torque
 
 REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
+ON_BASE = 3  # fixed targets on the base that say where it is
 BESIDE = 0.01  # m from the last axis: a target that is nearer shows no turn about it
 
 
@@ -95,6 +96,12 @@ class Problem:
     def hidden_corrections(self) -> frozenset[int]:
         """Columns of corrections that no measured point can show."""
         return hidden_corrections(self.arm)
+
+    @cached_property
+    def base_measured(self) -> bool:
+        """Whether fixed targets on the base say where it is."""
+        on_base = np.array([target.fixed for target in self.campaign.targets]) & (np.array(self.on) == 0)
+        return int((self.seen.any(axis=0) & on_base).sum()) >= ON_BASE
 
     @cached_property
     def flange_stays(self) -> frozenset[int]:

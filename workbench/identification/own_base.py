@@ -14,8 +14,6 @@ from ..campaign.problem import Problem
 from ..robot.kinematics import RX, Arm, Array
 from ..robot.rotations import from_xyz
 
-ENOUGH = 3  # points of the base that say where it is
-
 
 @dataclass(frozen=True)
 class OwnBase:
@@ -37,17 +35,10 @@ class OwnBase:
         return replace(arm, geometry=self.geometry, gravity=self.gravity)
 
 
-def is_measured(problem: Problem) -> bool:
-    """Whether the campaign says where the base is: by fixed targets on it."""
-    there = problem.seen.any(axis=0)
-    on_base = [t.fixed and on == 0 for t, on in zip(problem.campaign.targets, problem.on, strict=True)]
-    return int((there & np.array(on_base, dtype=bool)).sum()) >= ENOUGH
-
-
 def own_base(problem: Problem, geometry: Array) -> OwnBase:
     """The base in which a robot with the fitted corrections geometry (S, 6) is kept."""
     arm = problem.arm
-    if is_measured(problem):
+    if problem.base_measured:
         return OwnBase(geometry, arm.gravity, np.eye(3), np.zeros(3), measured=True)
     stated = arm.geometry[1]
     (R, t), (R_stated, t_stated) = (_first(problem, g) for g in (geometry[1], stated))
