@@ -41,6 +41,7 @@ class GearRatio(TransmissionEffect):
         "wrist_coupling": "sweep this joint with the other wrist joints at rest",
         "gravity_compensator": "record the motor torque of the joint",
         "joint_compliance": "the same poses with another payload: a ratio does not change",
+        "link_mass": "record the motor torque of the joint, or weigh the link",
     }
 
     @property

@@ -9,7 +9,12 @@ from ...identification.fit import Fit
 from ..result import FaultFound, Noise
 from ..weighing.remainder import Remainder, remainder
 
-STEPS = (1.0, 0.5, 0.1, 0.05, 0.01)  # degrees
+DEGREES, RADIANS = (1.0, 0.5, 0.1, 0.05, 0.01, 0.005), (0.01, 0.001, 0.0001)
+STEPS = {  # rad: as it is said
+    **{float(np.radians(step)): f"{step:g}°" for step in DEGREES},
+    **{step: f"{step:g} rad" for step in RADIANS},
+}
+EXACTLY = 1e-6  # of a step
 MADE_BY_ROUNDING = (0.4, 2.5)  # times the scatter left over that rounding must make to be suspected of it
 ALL_OF_IT = (0.7, 1.4)  # the same where that scatter is all that is known of the noise
 SHARED = 3.0  # rows that have one value of a joint: from there on they have one error of rounding, too
@@ -31,7 +36,7 @@ def rounded_joints(final: Fit, geometry: Fit, noise: Noise, left: Remainder) -> 
     if found is None or not least * excess < found[1] < most * excess:
         return ()
     step, made = found
-    what = f"all joints are multiples of {step:g}°, which alone scatters {made * 1e3:.3f} mm per axis"
+    what = f"all joints are multiples of {STEPS[step]}, which alone scatters {made * 1e3:.3f} mm per axis"
     return (FaultFound("rounded_joints", None, None, what, "kept: record the joints with more digits"),)
 
 
@@ -53,18 +58,18 @@ def _left(geometry: Fit) -> float:
 def _few_values(geometry: Fit, step: float) -> NDArray[np.bool_]:
     """(n,) turning joints that move and have few values for their poses."""
     problem = geometry.model.problem
-    counts = np.array([len(np.unique(turns)) for turns in np.round(np.degrees(problem.q) / step).T])
+    counts = np.array([len(np.unique(turns)) for turns in np.round(problem.q / step).T])
     return (counts > 1) & (len(problem.q) >= SHARED * counts) & ~problem.arm.prismatic
 
 
 def _step(result: Fit) -> tuple[float, float] | None:
-    """The largest step [°] of which all joints are multiples, and the scatter [m] per axis that rounding to
+    """The largest step [rad] of which all joints are multiples, and the scatter [m] per axis that rounding to
     it makes; None where there is none."""
     problem = result.model.problem
     turning = ~problem.arm.prismatic
     lever = np.sqrt(np.mean(result.line.by_joint**2, axis=(0, 1)))[turning]
-    for step in STEPS if turning.any() else ():
-        turns = np.degrees(problem.q[:, turning]) / step
-        if np.all(np.abs(turns - np.round(turns)) < 1e-6):
-            return step, float(np.linalg.norm(lever)) * np.radians(step) / np.sqrt(12)
+    for step in sorted(STEPS, reverse=True) if turning.any() else ():
+        turns = problem.q[:, turning] / step
+        if np.all(np.abs(turns - np.round(turns)) < EXACTLY):
+            return step, float(np.linalg.norm(lever)) * step / np.sqrt(12)
     return None

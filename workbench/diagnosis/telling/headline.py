@@ -146,17 +146,15 @@ def _explained(errors: Errors, repeatability_mm: float | None) -> str:
 def _left(findings: Sequence[Finding]) -> str:
     """What is left that has no name."""
     rivals = [rival for f in findings if f.cause == UNKNOWN for rival in f.rivals]
+    like = next((f.like for f in findings if f.like), "")
     if rivals:
         likeliest = max(rivals, key=lambda rival: rival.probability)
-        return f"Something is left that may be {words_of(likeliest.cause, likeliest.where)}, or has no name"
+        may_be = f"may be {words_of(likeliest.cause, likeliest.where)}"
+        said = f"looks like {like}, or {may_be}" if like else f"{may_be}, or has no name"
+        return f"Something is left that {said}"
     if any(f.of_campaigns for f in findings):
         return "The robot is not the same in all campaigns"
-    like = next((f.like for f in findings if f.like), "")
-    return (
-        f"Something is left that looks like {like}"
-        if like
-        else ("Something is left that no known cause explains")
-    )
+    return f"Something is left that {f'looks like {like}' if like else 'no known cause explains'}"
 
 
 def shows_in(prepared: Prepared, left: Remainder, noise_mm: float) -> str:
