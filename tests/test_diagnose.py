@@ -462,6 +462,7 @@ def test_drives_that_warm_up_are_no_drift_of_the_base(seed):
     assert "drift" not in {cause for cause, _ in named(diagnosis)}
     (unknown,) = (finding for finding in diagnosis.causes if finding.cause == "unknown")
     assert unknown.structure.startswith("depends on time (the joints' zeros move)")
+    assert "zeros of joints that move" in diagnosis.headline
 
 
 @pytest.mark.parametrize(

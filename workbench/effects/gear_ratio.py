@@ -33,6 +33,7 @@ class GearRatio(TransmissionEffect):
     title: ClassVar[str] = "Reduction ratio is wrong"
     smooth: ClassVar[bool] = True
     pure: ClassVar[bool] = True
+    as_rounded: ClassVar[bool] = True
     wholes: ClassVar[dict[str, str]] = {"ratio": "1"}
     equation: ClassVar[str] = "Delta q = epsilon thin q"
     separate: ClassVar[dict[str, str]] = {

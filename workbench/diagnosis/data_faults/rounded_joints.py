@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtrc
 
 from ...identification.fit import Fit
 from ..result import FaultFound, Noise
 from ..weighing.remainder import Remainder, remainder
+from ..weighing.screen import effective_dof
 
 DEGREES, RADIANS = (1.0, 0.5, 0.1, 0.05, 0.01, 0.005), (0.01, 0.001, 0.0001)
 STEPS = {  # rad: as it is said
@@ -15,6 +17,8 @@ STEPS = {  # rad: as it is said
     **{step: f"{step:g} rad" for step in RADIANS},
 }
 EXACTLY = 1e-6  # of a step
+CHANCE = 1e-3  # that rounding makes as much of what poses with one written value are off by together
+SEEN = 1e-6  # of the largest: along other axes geometry takes all of it
 MADE_BY_ROUNDING = (0.4, 2.5)  # times the scatter left over that rounding must make to be suspected of it
 ALL_OF_IT = (0.7, 1.4)  # the same where that scatter is all that is known of the noise
 SHARED = 3.0  # rows that have one value of a joint: from there on they have one error of rounding, too
@@ -48,6 +52,33 @@ def shared_rounding(geometry: Fit) -> tuple[str, ...]:
         return ()
     few = _few_values(geometry, found[0])
     return tuple(name for name, shared in zip(names, few, strict=True) if shared)
+
+
+def all_rounding(geometry: Fit) -> tuple[str, ...]:
+    """Those of them whose rounding may be all that they are off by."""
+    names, found = shared_rounding(geometry), _step(geometry)
+    index = geometry.model.problem.arm.names.index
+    return tuple(name for name in names if found and not _off_by_more(geometry, index(name), found[0]))
+
+
+def _off_by_more(geometry: Fit, j: int, step: float) -> bool:
+    """Whether poses with one written value of a joint are off together by more than its rounding to a step
+    [rad] makes: with an error of its own, of variance step²/12, for each value."""
+    problem, r = geometry.model.problem, geometry.r.ravel()
+    values, which = np.unique(np.round(problem.q[:, j] / step), return_inverse=True)
+    motion = geometry.line.by_joint[:, :, j]
+    own = np.einsum("ndr,nr->nd", geometry.whitener[:, :, : motion.shape[1]], motion)
+    G = np.zeros((*own.shape, len(values)))
+    G[np.arange(len(own)), :, which] = own
+    G, taken = G.reshape(len(r), -1), geometry.own_axes.reshape(len(r), -1)
+    G -= taken @ (taken.T @ G)
+    size, axes = np.linalg.eigh(G.T @ G)
+    told = size > SEEN * size.max()
+    size, along = size[told], (axes.T @ (G.T @ r))[told]
+    others = max(effective_dof(geometry) - len(size), 1.0)
+    scatter = max(float(r @ r - (along**2 / size).sum()), 0.0) / others
+    chi2 = float((along**2 / (size * (scatter + step**2 / 12 * size))).sum())
+    return bool(chdtrc(len(size), chi2) < CHANCE)
 
 
 def _left(geometry: Fit) -> float:
