@@ -182,7 +182,8 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
         return None
     if _beside_joints(result, step) < 60 * scatter:
         return None
-    alike = scatter > 1.0 or shared_rounding(result)  # in a run the errors of rounding are
+    rounded = result.model.problem.rounded or shared_rounding(result)
+    alike = scatter > 1.0 or rounded  # in a run the errors of rounding are
     if alike and gain < CLEARLY * by_chance(result, base, possible, Taken.by(result)):
         return None
     size, std = _size(result, columns, *(of[first] for of in before))
