@@ -301,6 +301,11 @@ def test_what_tells_two_causes_apart_is_said_once_for_both():
     assert ways >= {kind.reading for kind in catalogue().values() if kind.reading}
 
 
+@pytest.mark.parametrize("cause", ["gear_ratio", "link_bending", "lost_motion"])
+def test_a_link_may_be_weighed_wherever_its_mass_fits_as_well(cause):
+    assert "weigh the link" in separation(cause, "link_mass")
+
+
 def test_what_was_read_is_not_asked_for_again():
     gas, link = ("gravity_compensator", Where()), ("link_mass", Where(link="link_2"))
     assert separation("gravity_compensator", "link_mass") == "read the pressure gauge, or weigh the link"

@@ -439,10 +439,14 @@ def test_a_tool_mounted_anew_is_found_and_mended():
     assert diagnosis.verdict == "nothing_missing"
 
 
-def test_rounded_joints_are_suspected_of_the_scatter_they_make():
+@pytest.mark.parametrize(
+    ("step", "said"), [(np.radians(0.01), "0.01°"), (np.radians(0.005), "0.005°"), (1e-4, "0.0001 rad")]
+)
+def test_rounded_joints_are_suspected_of_the_scatter_they_make(step, said):
     campaign = measured(seed=5)
-    diagnosis = found(campaign.with_poses(q=np.radians(np.round(np.degrees(campaign.poses.q), 2))))
-    assert [fault.kind for fault in diagnosis.faults] == ["rounded_joints"]
+    (fault,) = found(campaign.with_poses(q=step * np.round(campaign.poses.q / step))).faults
+    assert fault.kind == "rounded_joints"
+    assert f"multiples of {said}," in fault.what
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -458,6 +462,7 @@ def test_drives_that_warm_up_are_no_drift_of_the_base(seed):
     assert "drift" not in {cause for cause, _ in named(diagnosis)}
     (unknown,) = (finding for finding in diagnosis.causes if finding.cause == "unknown")
     assert unknown.structure.startswith("depends on time (the joints' zeros move)")
+    assert "zeros of joints that move" in diagnosis.headline
 
 
 @pytest.mark.parametrize(
@@ -494,6 +499,17 @@ def test_a_headline_says_which_named_cause_the_rest_may_be(probability, found, f
     there = [Finding("backlash", "", place, "named", 0.001, 1.0)] if found else []
     said = headline("unknown", [*there, left], Errors(stages, stages[1], 0.11, 0.05, 0.01, 0.05))
     assert said.startswith(first)
+
+
+def test_a_headline_says_what_the_rest_looks_like_beside_what_it_may_be():
+    stages = [Stage(name, 0, rms, rms, rms, rms) for name, rms in (("nominal", 0.7), ("geometry", 0.11))]
+    place = Where(joint="joint_2")
+    like = "joint_2 resting elsewhere by where it came from"
+    left = Finding(
+        "unknown", "", place, "ambiguous", 0.06, 0.6, rivals=(Rival("backlash", place, 0.3),), like=like
+    )
+    said = headline("unknown", [left], Errors(stages, stages[1], 0.11, 0.05, 0.01, 0.05))
+    assert said.startswith(f"Something is left that looks like {like}, or may be backlash in joint_2. Held")
 
 
 def test_a_headline_says_a_cause_once_with_all_its_places():

@@ -11,6 +11,7 @@ from workbench.campaign.problem import problem_of
 from workbench.effects.base import UNKNOWN
 from workbench.effects.unnamed.foot import Foot
 from workbench.effects.unnamed.past import FORGETS, Past
+from workbench.report.content import content
 from workbench.robot.kinematics import RX, TZ
 
 POSES = 90
@@ -138,8 +139,11 @@ def test_a_joint_that_remembers_where_it_came_from_is_told():
     def joints(problem):
         return np.outer(-8e-5 * rubbed(problem.q[:, 1], 0.35), np.arange(6) == 1)
 
-    structure = unknown_of(found(measured("ur10", loads=(), poses=POSES, joints=joints)))
-    assert structure.startswith("depends on where shoulder_lift_joint came from, in the order of measurement")
+    diagnosis = found(measured("ur10", loads=(), poses=POSES, joints=joints))
+    assert unknown_of(diagnosis).startswith(
+        "depends on where shoulder_lift_joint came from, in the order of measurement"
+    )
+    assert "wait longer" in content(diagnosis)["next"]
 
 
 def test_the_past_of_a_joint_is_its_moves_in_the_order_of_time():

@@ -28,7 +28,7 @@ from ..identification.set_up import fit_set_up
 from ..robot.kinematics import Array
 from .data_faults.copies import without_copies
 from .data_faults.moved_setup import Step, split_setup
-from .data_faults.rounded_joints import shared_rounding
+from .data_faults.rounded_joints import all_rounding
 from .data_faults.sound import Enough, Sound, each_alone, measured_only, noise_at, without_faults
 from .data_faults.wild_points import Acting, Cleaned, least_sigma
 from .noise.coarse import coarseness
@@ -255,7 +255,7 @@ def _fitted(sound: Sound) -> Prepared:
     if not known or problem.drives:
         geometry = _under(geometry, covariance)
     geometry = plausible_geometry(geometry)
-    coarse, rounded = coarseness(geometry), shared_rounding(geometry)
+    coarse, rounded = coarseness(geometry), all_rounding(geometry)
     if coarse > 1 or rounded:
         problem = replace(problem, coarse=coarse, rounded=rounded)
         model = replace(model, problem=problem)

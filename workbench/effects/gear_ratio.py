@@ -33,6 +33,7 @@ class GearRatio(TransmissionEffect):
     title: ClassVar[str] = "Reduction ratio is wrong"
     smooth: ClassVar[bool] = True
     pure: ClassVar[bool] = True
+    as_rounded: ClassVar[bool] = True
     wholes: ClassVar[dict[str, str]] = {"ratio": "1"}
     equation: ClassVar[str] = "Delta q = epsilon thin q"
     separate: ClassVar[dict[str, str]] = {
@@ -41,6 +42,7 @@ class GearRatio(TransmissionEffect):
         "wrist_coupling": "sweep this joint with the other wrist joints at rest",
         "gravity_compensator": "record the motor torque of the joint",
         "joint_compliance": "the same poses with another payload: a ratio does not change",
+        "link_mass": "record the motor torque of the joint, or weigh the link",
     }
 
     @property

@@ -52,6 +52,7 @@ class LinkBending(LinearYield):
         "gravity_compensator": "the motor torque of joint 2, or a target in the middle of the link",
         "foundation": "targets on the base casting",
         "payload": "weigh what the flange carries",
+        "link_mass": "a target in the middle of the link, or weigh the link",
         "link_bending": "a target in the middle of each link",
     }
 

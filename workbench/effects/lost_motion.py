@@ -44,6 +44,7 @@ class LostMotion(AxialYield):
         "gravity_compensator": "a load that reverses the torque; the motor torque of the joint",
         "backlash": "each pose from both sides, under the same load",
         "gear_eccentricity": "the same poses with another payload",
+        "link_mass": "the same poses with another payload, or weigh the link",
     }
 
     @property

@@ -32,6 +32,7 @@ from ...robot.kinematics import Array
 from ..result import FaultFound
 from ..weighing.places_of_steps import CLEARLY, Taken, by_chance, gains_of, half_of, places, prefix
 from ..weighing.screen import SURVIVES, effective_dof, quadratic, reduce_columns
+from .rounded_joints import shared_rounding
 from .sag import sag
 
 LEAST_BEFORE = 8  # poses before and after a jump
@@ -181,7 +182,7 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
         return None
     if _beside_joints(result, step) < 60 * scatter:
         return None
-    alike = scatter > 1.0 or result.model.problem.rounded  # in a run the errors of rounding are
+    alike = scatter > 1.0 or shared_rounding(result)  # in a run the errors of rounding are
     if alike and gain < CLEARLY * by_chance(result, base, possible, Taken.by(result)):
         return None
     size, std = _size(result, columns, *(of[first] for of in before))

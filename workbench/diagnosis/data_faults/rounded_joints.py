@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtrc
 
 from ...identification.fit import Fit
 from ..result import FaultFound, Noise
 from ..weighing.remainder import Remainder, remainder
+from ..weighing.screen import effective_dof
 
-STEPS = (1.0, 0.5, 0.1, 0.05, 0.01)  # degrees
+DEGREES, RADIANS = (1.0, 0.5, 0.1, 0.05, 0.01, 0.005), (0.01, 0.001, 0.0001)
+STEPS = {  # rad: as it is said
+    **{float(np.radians(step)): f"{step:g}°" for step in DEGREES},
+    **{step: f"{step:g} rad" for step in RADIANS},
+}
+EXACTLY = 1e-6  # of a step
+CHANCE = 1e-3  # that rounding makes as much of what poses with one written value are off by together
+SEEN = 1e-6  # of the largest: along other axes geometry takes all of it
 MADE_BY_ROUNDING = (0.4, 2.5)  # times the scatter left over that rounding must make to be suspected of it
 ALL_OF_IT = (0.7, 1.4)  # the same where that scatter is all that is known of the noise
 SHARED = 3.0  # rows that have one value of a joint: from there on they have one error of rounding, too
@@ -31,7 +40,7 @@ def rounded_joints(final: Fit, geometry: Fit, noise: Noise, left: Remainder) -> 
     if found is None or not least * excess < found[1] < most * excess:
         return ()
     step, made = found
-    what = f"all joints are multiples of {step:g}°, which alone scatters {made * 1e3:.3f} mm per axis"
+    what = f"all joints are multiples of {STEPS[step]}, which alone scatters {made * 1e3:.3f} mm per axis"
     return (FaultFound("rounded_joints", None, None, what, "kept: record the joints with more digits"),)
 
 
@@ -45,6 +54,33 @@ def shared_rounding(geometry: Fit) -> tuple[str, ...]:
     return tuple(name for name, shared in zip(names, few, strict=True) if shared)
 
 
+def all_rounding(geometry: Fit) -> tuple[str, ...]:
+    """Those of them whose rounding may be all that they are off by."""
+    names, found = shared_rounding(geometry), _step(geometry)
+    index = geometry.model.problem.arm.names.index
+    return tuple(name for name in names if found and not _off_by_more(geometry, index(name), found[0]))
+
+
+def _off_by_more(geometry: Fit, j: int, step: float) -> bool:
+    """Whether poses with one written value of a joint are off together by more than its rounding to a step
+    [rad] makes: with an error of its own, of variance step²/12, for each value."""
+    problem, r = geometry.model.problem, geometry.r.ravel()
+    values, which = np.unique(np.round(problem.q[:, j] / step), return_inverse=True)
+    motion = geometry.line.by_joint[:, :, j]
+    own = np.einsum("ndr,nr->nd", geometry.whitener[:, :, : motion.shape[1]], motion)
+    G = np.zeros((*own.shape, len(values)))
+    G[np.arange(len(own)), :, which] = own
+    G, taken = G.reshape(len(r), -1), geometry.own_axes.reshape(len(r), -1)
+    G -= taken @ (taken.T @ G)
+    size, axes = np.linalg.eigh(G.T @ G)
+    told = size > SEEN * size.max()
+    size, along = size[told], (axes.T @ (G.T @ r))[told]
+    others = max(effective_dof(geometry) - len(size), 1.0)
+    scatter = max(float(r @ r - (along**2 / size).sum()), 0.0) / others
+    chi2 = float((along**2 / (size * (scatter + step**2 / 12 * size))).sum())
+    return bool(chdtrc(len(size), chi2) < CHANCE)
+
+
 def _left(geometry: Fit) -> float:
     """[m] one sigma per axis of what geometry leaves."""
     return geometry.usual * remainder(geometry, known=False).inflation
@@ -53,18 +89,18 @@ def _left(geometry: Fit) -> float:
 def _few_values(geometry: Fit, step: float) -> NDArray[np.bool_]:
     """(n,) turning joints that move and have few values for their poses."""
     problem = geometry.model.problem
-    counts = np.array([len(np.unique(turns)) for turns in np.round(np.degrees(problem.q) / step).T])
+    counts = np.array([len(np.unique(turns)) for turns in np.round(problem.q / step).T])
     return (counts > 1) & (len(problem.q) >= SHARED * counts) & ~problem.arm.prismatic
 
 
 def _step(result: Fit) -> tuple[float, float] | None:
-    """The largest step [°] of which all joints are multiples, and the scatter [m] per axis that rounding to
+    """The largest step [rad] of which all joints are multiples, and the scatter [m] per axis that rounding to
     it makes; None where there is none."""
     problem = result.model.problem
     turning = ~problem.arm.prismatic
     lever = np.sqrt(np.mean(result.line.by_joint**2, axis=(0, 1)))[turning]
-    for step in STEPS if turning.any() else ():
-        turns = np.degrees(problem.q[:, turning]) / step
-        if np.all(np.abs(turns - np.round(turns)) < 1e-6):
-            return step, float(np.linalg.norm(lever)) * np.radians(step) / np.sqrt(12)
+    for step in sorted(STEPS, reverse=True) if turning.any() else ():
+        turns = problem.q[:, turning] / step
+        if np.all(np.abs(turns - np.round(turns)) < EXACTLY):
+            return step, float(np.linalg.norm(lever)) * step / np.sqrt(12)
     return None

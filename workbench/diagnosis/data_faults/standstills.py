@@ -57,9 +57,10 @@ def taken_together(problem: Problem) -> tuple[Problem, tuple[FaultFound, ...], t
         of_rows=True,
     )
     more = len(campaign.poses) - len(first)
+    rows = "1 row has the joints" if more == 1 else f"{more} rows have the joints"
     told = (
-        f"{more} rows have the joints of the row before: taken for further shots of one standstill. Rows for "
-        "which the arm went away and came back say more in another order."
+        f"{rows} of the row before: taken for further shots of one standstill. Rows for which the arm went "
+        "away and came back say more in another order."
     )
     return replace(problem, campaign=together), faults, (told,)
 

@@ -147,20 +147,16 @@ def _explained(errors: Errors, repeatability_mm: float | None) -> str:
 def _left(findings: Sequence[Finding]) -> str:
     """What is left that has no name; what it may be, if that is likelier than what a name leaves open."""
     rivals = [rival for f in findings if f.cause == UNKNOWN for rival in f.rivals]
+    like = next((f.like for f in findings if f.like), "")
     likeliest = max(rivals, key=lambda rival: rival.probability, default=None)
     if likeliest is not None and likeliest.probability > 1 - PRIORS.named:
         words = words_of(likeliest.cause, likeliest.where)
-        if words in [words_of(f.cause, f.where) for f in findings]:
-            words = f"more of the {words}"
-        return f"Something is left that may be {words}, or has no name"
+        more = "more of the " if words in [words_of(f.cause, f.where) for f in findings] else ""
+        looks = f"looks like {like}, or may be" if like else "may be"
+        return f"Something is left that {looks} {more}{words}{', or has no name' * (not like)}"
     if any(f.of_campaigns for f in findings):
         return "The robot is not the same in all campaigns"
-    like = next((f.like for f in findings if f.like), "")
-    return (
-        f"Something is left that looks like {like}"
-        if like
-        else ("Something is left that no known cause explains")
-    )
+    return f"Something is left that {f'looks like {like}' if like else 'no known cause explains'}"
 
 
 def shows_in(prepared: Prepared, left: Remainder, noise_mm: float) -> str:

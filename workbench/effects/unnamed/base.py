@@ -29,7 +29,7 @@ class Unnamed(Effect):
     cause: ClassVar[str] = UNKNOWN
     title: ClassVar[str] = "Something that no cause of the catalogue explains"
     settings: ClassVar[tuple[str, ...]] = ("size",)
-    lacks: ClassVar[str] = ""  # what to state so that it may get a name
+    lacks: ClassVar[str] = ""  # what to state, or to do, so that it may get a name
 
     @property
     @abstractmethod

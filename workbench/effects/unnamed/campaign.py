@@ -234,6 +234,10 @@ class Zeros(Unnamed, DirectEffect):
     def functions(self) -> int:
         return int(self.motions)
 
+    @property
+    def like(self) -> str:
+        return "zeros of joints that move in the course of the campaign, as they do while drives warm up"
+
     def x(self, problem: Problem) -> Array:
         return since_start(problem, self.start)
 

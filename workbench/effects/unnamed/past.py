@@ -28,6 +28,7 @@ class Past(Unnamed, TransmissionEffect):
 
     variant: str = "past"
 
+    lacks: ClassVar[str] = "wait longer at each pose before it is measured, and approach it from both sides"
     depends: ClassVar[Depends] = frozenset({"joints", "time"})
     by_motor: ClassVar[bool] = False
 
