@@ -18,7 +18,8 @@ from .place import Parameter, Where
 from .travel import MOVES, OverTravel, measured, rms, whole
 from .unnamed.base import SLIDES
 
-LENGTHS = {"broad": 1.5, "smooth": 0.7, "waves": 0.25, "fine": 0.1}  # rad: the error forgets itself
+LENGTHS = {"broad": 1.5, "smooth": 0.7, "waves": 0.25, "fine": 0.1, "jagged": 0.5}  # rad: it forgets itself
+POSES_A_WAVE = 4  # joint positions for each wave of a jagged map: with fewer any scatter looks like it
 TURNS = 2 * np.pi + MOVES  # rad that a joint travels: some angles were measured in two of its turns
 ROUGH = 0.5  # rad: what forgets itself sooner has more waves in a turn than a run-out
 USUAL_SLIDING = 3e-5  # m, of a screw's or a rack's: ISO 3408-3 allows 23 µm (grade 5) … 52 µm (7) in 300 mm
@@ -27,9 +28,10 @@ USUAL_SLIDING = 3e-5  # m, of a screw's or a rack's: ISO 3408-3 allows 23 µm (g
 @dataclass(frozen=True)
 class JointMap(OverTravel, TransmissionEffect):
     """Δq = f(q), a free function of the joint's own position: a Gaussian process (Rasmussen & Williams 2006)
-    that forgets itself over the length of `variant`, broad to fine. What nobody measured is no error in the
-    mean, and as unsure as the map is large. Of a joint that turns more than once it may be the same in every
-    turn (`variant` "fine around", say): what is measured in one holds in the others.
+    that forgets itself over the length of `variant`, broad to fine, or is "jagged": with large waves and ever
+    smaller ones, as measured gears have them. What nobody measured is no error in the mean, and as unsure as
+    the map is large. Of a joint that turns more than once it may be the same in every turn (`variant` "fine
+    around", say): what is measured in one holds in the others.
 
     Of a sliding joint it is the pitch error of a screw or a rack over the travel, all in m. Its guide is a
     bearing that is as long as the travel: where that is not straight, the carriage strays with all six
@@ -61,6 +63,10 @@ class JointMap(OverTravel, TransmissionEffect):
         )
 
     @property
+    def jagged(self) -> bool:
+        return self.variant.startswith("jagged")
+
+    @property
     def unit(self) -> str:
         return "m" if self.sliding else "rad"
 
@@ -78,12 +84,15 @@ class JointMap(OverTravel, TransmissionEffect):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Effect]:
         """Joints that travel, in lengths of less than half of that, those that turn more than once around the
-        turn as well; and the guides of those that slide."""
+        turn as well; jagged ones where there are poses enough for their waves; and the guides of those that
+        slide."""
         found = [cls.over(problem, j) for j in range(problem.arm.n)]
         every = [place._of_length(v) for place in found if place is not None for v in LENGTHS]
         maps = [one for one in every if 2 * one.length < one.travelled]
         around = [turn for one in maps if one.travelled > TURNS for turn in one._around()]
-        return [*maps, *around, *Guideway.sites(problem)]
+        most = int(problem.positions.max()) / POSES_A_WAVE
+        told = [one for one in (*maps, *around) if not one.jagged or len(one.sizes) < most]
+        return [*told, *Guideway.sites(problem)]
 
     def _around(self) -> list[JointMap]:
         """The same in every turn of a joint that turns; one of a few waves is a run-out with what it has

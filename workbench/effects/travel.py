@@ -17,6 +17,7 @@ from .unnamed.base import turn
 MARGIN = 0.1  # share of the range that the functions go beyond it, where nothing is known
 MOVES = 0.2  # rad that a joint must travel for a function of it to be seen
 TRAVEL = 1.0  # m, of a sliding joint without bounds, where nothing was measured
+SMOOTH, JAGGED = 3.0, 25.0  # over the length: the shortest wave [1/rad, 1/m] of a function
 FAINTEST = 0.02  # share of the largest wave below which a wave is left out
 
 Ends = tuple[float, float, float]  # first, span, room of a range [rad, m]
@@ -26,10 +27,12 @@ Ends = tuple[float, float, float]  # first, span, room of a range [rad, m]
 class OverTravel(Effect):
     """f(q) = Σ a_k cos(π k (q − q₀)/L), a Gaussian process that forgets itself over `length`.
 
-    The waves' prior sizes are the square roots of the process' spectrum (Rasmussen & Williams 2006), for a
-    function of usual size `size`. The joint was measured from q₀ `first` over L `span` [rad, m], without
-    `room` at both ends; beyond that the function forgets what it says as the process does, over `length`:
-    what nobody measured is no error in the mean, and as unsure as the function is large.
+    The waves' prior sizes are the square roots of the process' spectrum (Rasmussen & Williams 2006, 4.2), for
+    a function of usual size `size`: of a smooth process, or where it is `jagged` of that of Ornstein and
+    Uhlenbeck (Matérn, ν = 1/2), with waves of all lengths, the shorter the smaller. The joint was measured
+    from q₀ `first` over L `span` [rad, m], without `room` at both ends; beyond that the function forgets what
+    it says as the process does, over `length`: what nobody measured is no error in the mean, and as unsure
+    as the function is large.
 
     around: 1 where a joint turns more than once and the function is the same in every turn,
     f(q) = Σ a_k sin k q + b_k cos k q: all of it was measured.
@@ -49,9 +52,10 @@ class OverTravel(Effect):
     def sizes(self) -> Array:
         """(K,) prior size of each wave, from k = 1: a constant is the joint's zero. Around a turn of all
         sines, then of all cosines."""
-        per_rad = 1.0 if self.around else np.pi / self.span
-        k = np.arange(1, 1 + int(np.ceil(3.0 / (per_rad * self.length))))
-        power = np.exp(-0.5 * (per_rad * k * self.length) ** 2)
+        first = self.length * (1.0 if self.around else np.pi / self.span)
+        shortest = JAGGED if self.jagged else SMOOTH
+        squared = (first * np.arange(1, 1 + int(np.ceil(shortest / first)))) ** 2
+        power = 1 / (1 + squared) if self.jagged else np.exp(-0.5 * squared)
         power = power[power > FAINTEST**2 * power[0]]
         power = np.tile(power, 2) if self.around else power
         return np.asarray(self.size * np.sqrt(2 * power / power.sum()))
@@ -60,6 +64,11 @@ class OverTravel(Effect):
         """The same over a range."""
         first, span, room = ends
         return replace(self, first=first, span=span, room=room)
+
+    @property
+    def jagged(self) -> bool:
+        """Whether it has short waves as well as long ones."""
+        return False
 
     @property
     def travelled(self) -> float:
@@ -95,7 +104,8 @@ class OverTravel(Effect):
             return np.ones(len(q))
         x = q[:, joints.index(str(self.where.joint))] - self.first
         beyond = x - np.clip(x, self.room, self.span - self.room)
-        return np.asarray(np.exp(-0.5 * (beyond / self.length) ** 2))
+        far = np.abs(beyond) / self.length
+        return np.asarray(np.exp(-far) if self.jagged else np.exp(-0.5 * far**2))
 
 
 def measured(problem: Problem, j: int) -> Ends | None:
