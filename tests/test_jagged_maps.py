@@ -41,16 +41,27 @@ def test_an_error_with_waves_of_all_lengths_is_one_map(seed):
     assert told.causes[0].variant == "jagged"
 
 
+def jagged(poses: int) -> list[JointMap]:
+    """Jagged maps that such a campaign may show."""
+    problem = problem_of(measured("ur10", loads=(), q=postures(poses, seed=4)))
+    return [one for one in JointMap.sites(problem) if one.variant.startswith("jagged")]
+
+
+def test_a_jagged_map_needs_four_poses_for_each_of_its_waves():
+    assert not jagged(poses=120)
+    found = jagged(poses=320)
+    assert {one.where.joint for one in found} >= {"shoulder_lift_joint", "elbow_joint"}
+    assert all(4 * len(one.sizes) < 320 for one in found)
+
+
 def test_a_model_keeps_a_jagged_map_and_its_waves_of_all_lengths():
-    problem = problem_of(measured("ur10", loads=(), q=postures(60, seed=4)))
-    (jagged,) = (
-        e for e in JointMap.sites(problem) if e.variant == "jagged" and e.where.joint == "elbow_joint"
-    )
-    values = np.random.default_rng(0).normal(size=len(jagged.params)) * jagged.sizes
-    kept, numbers = from_record(record(jagged, values), problem)
-    assert kept == jagged
+    problem = problem_of(measured("ur10", loads=(), q=postures(320, seed=4)))
+    one = jagged(poses=320)[0]
+    values = np.random.default_rng(0).normal(size=len(one.params)) * one.sizes
+    kept, numbers = from_record(record(one, values), problem)
+    assert kept == one
     assert np.allclose(numbers, values)
-    order = np.arange(1, 1 + len(jagged.sizes)) * np.pi / jagged.span  # rad⁻¹
+    order = np.arange(1, 1 + len(one.sizes)) * np.pi / one.span  # rad⁻¹
     assert order.max() == pytest.approx(50.0, rel=0.05)  # waves down to 7 degrees
     short = order > 10
-    assert np.allclose((jagged.sizes * order)[short] / (jagged.sizes * order)[-1], 1.0, atol=0.02)
+    assert np.allclose((one.sizes * order)[short] / (one.sizes * order)[-1], 1.0, atol=0.02)
