@@ -19,7 +19,7 @@ from .travel import MOVES, OverTravel, measured, rms, whole
 from .unnamed.base import SLIDES
 
 LENGTHS = {"broad": 1.5, "smooth": 0.7, "waves": 0.25, "fine": 0.1, "jagged": 0.5}  # rad: it forgets itself
-POSES_A_WAVE = 4  # joint positions for each wave of a jagged map: with fewer any scatter looks like it
+POSES_A_WAVE = 12  # joint positions for each wave of a jagged map: with few any scatter looks like it
 TURNS = 2 * np.pi + MOVES  # rad that a joint travels: some angles were measured in two of its turns
 ROUGH = 0.5  # rad: what forgets itself sooner has more waves in a turn than a run-out
 USUAL_SLIDING = 3e-5  # m, of a screw's or a rack's: ISO 3408-3 allows 23 µm (grade 5) … 52 µm (7) in 300 mm
