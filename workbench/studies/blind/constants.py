@@ -15,7 +15,6 @@ from .score import judged
 
 SIZES = (
     "cause",
-    "any_shape",
     "line",
     "free",
     "largest",
