@@ -9,7 +9,7 @@ from scipy.special import chdtrc
 from ...identification.fit import Fit
 from ..result import FaultFound, Noise
 from ..weighing.remainder import Remainder, remainder
-from ..weighing.screen import effective_dof
+from ..weighing.screen import effective_dof, reduce_columns
 
 DEGREES, RADIANS = (1.0, 0.5, 0.1, 0.05, 0.01, 0.005), (0.01, 0.001, 0.0001)
 STEPS = {  # rad: as it is said
@@ -47,18 +47,23 @@ def rounded_joints(final: Fit, geometry: Fit, noise: Noise, left: Remainder) -> 
 def shared_rounding(geometry: Fit) -> tuple[str, ...]:
     """Joints of which a function of the angle may be their rounding: many poses have one written value, and
     with it one error, of a size that what geometry leaves does not exclude."""
-    found, names = _step(geometry), geometry.model.problem.arm.names
-    if found is None or found[1] > MADE_BY_ROUNDING[1] * _left(geometry):
-        return ()
-    few = _few_values(geometry, found[0])
-    return tuple(name for name, shared in zip(names, few, strict=True) if shared)
+    return _suspected(geometry)[0]
 
 
 def all_rounding(geometry: Fit) -> tuple[str, ...]:
-    """Those of them whose rounding may be all that they are off by."""
-    names, found = shared_rounding(geometry), _step(geometry)
+    """Those of `shared_rounding` whose rounding may be all that they are off by."""
+    names, step = _suspected(geometry)
     index = geometry.model.problem.arm.names.index
-    return tuple(name for name in names if found and not _off_by_more(geometry, index(name), found[0]))
+    return tuple(name for name in names if not _off_by_more(geometry, index(name), step))
+
+
+def _suspected(geometry: Fit) -> tuple[tuple[str, ...], float]:
+    """Joints that `shared_rounding` has, and to which step [rad] they are rounded."""
+    found, names = _step(geometry), geometry.model.problem.arm.names
+    if found is None or found[1] > MADE_BY_ROUNDING[1] * _left(geometry):
+        return (), 0.0
+    step, few = found[0], _few_values(geometry, found[0])
+    return tuple(name for name, shared in zip(names, few, strict=True) if shared), step
 
 
 def _off_by_more(geometry: Fit, j: int, step: float) -> bool:
@@ -70,11 +75,10 @@ def _off_by_more(geometry: Fit, j: int, step: float) -> bool:
     own = np.einsum("ndr,nr->nd", geometry.whitener[:, :, : motion.shape[1]], motion)
     G = np.zeros((*own.shape, len(values)))
     G[np.arange(len(own)), :, which] = own
-    G, taken = G.reshape(len(r), -1), geometry.own_axes.reshape(len(r), -1)
-    G -= taken @ (taken.T @ G)
-    size, axes = np.linalg.eigh(G.T @ G)
+    S, u, _ = reduce_columns(geometry, G)
+    size, axes = np.linalg.eigh(S)
     told = size > SEEN * size.max()
-    size, along = size[told], (axes.T @ (G.T @ r))[told]
+    size, along = size[told], (axes.T @ u)[told]
     others = max(effective_dof(geometry) - len(size), 1.0)
     scatter = max(float(r @ r - (along**2 / size).sum()), 0.0) / others
     chi2 = float((along**2 / (size * (scatter + step**2 / 12 * size))).sum())

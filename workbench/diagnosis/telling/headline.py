@@ -152,8 +152,9 @@ def _left(findings: Sequence[Finding]) -> str:
     if likeliest is not None and likeliest.probability > 1 - PRIORS.named:
         words = words_of(likeliest.cause, likeliest.where)
         more = "more of the " if words in [words_of(f.cause, f.where) for f in findings] else ""
-        looks = f"looks like {like}, or may be" if like else "may be"
-        return f"Something is left that {looks} {more}{words}{', or has no name' * (not like)}"
+        if like:
+            return f"Something is left that looks like {like}, or may be {more}{words}"
+        return f"Something is left that may be {more}{words}, or has no name"
     if any(f.of_campaigns for f in findings):
         return "The robot is not the same in all campaigns"
     return f"Something is left that {f'looks like {like}' if like else 'no known cause explains'}"
