@@ -161,19 +161,6 @@ def by_a_ur5(q, length, off, sigma, rng, seed):
     return simulate(plan, truth, seed=seed, state_sigma=False)
 
 
-def along_a_curve(poses, turn, seed):
-    """Measured on a curve half a metre wide, one target of unknown place, the hand turned by `turn` [rad]."""
-    rng, at = np.random.default_rng(seed), np.linspace(0, 2 * np.pi, poses)
-    shift = np.column_stack([0.15 * (np.cos(at) - 1), 0.25 * np.sin(at), 0.08 * np.sin(2 * at)])
-    q = held(shift, turn * np.sin(np.outer(at, [1, 2, 3])))
-    return by_a_ur5(q, 0.1, 1e-4, 2e-5, rng, seed)
-
-
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_what_a_hand_that_hardly_turns_does_not_determine_is_no_step(seed):
-    assert not prepared.prepare(along_a_curve(120, 3e-3, seed)).faults
-
-
 def other_way_up(seed):
     """A hand held upright for 45 poses, then 15 with the tool the other way up: before, a place of the target
     along its axis is one of the frame."""
