@@ -261,6 +261,10 @@ def test_noise_from_the_residual_has_both_parts(seed):
     assert said.source == "residual"
     assert abs(noise.sigma[0, 0] / SIGMA - 1) < 0.15
     assert abs(noise.joint[0] / JOINT - 1) < 0.2
+    shared = JOINT * np.sqrt(np.mean((started(job).by_joint ** 2).sum(axis=2)))
+    assert said.repeatability_mm == pytest.approx(1e3 * shared, rel=0.2)
+    assert f"and {said.repeatability_mm:.4f} mm per axis that the points of a pose share" in said.sentence
+    assert said.alone_mm == pytest.approx(np.hypot(said.sigma_mm, said.repeatability_mm))
 
 
 def test_noise_from_the_residual_of_one_target_is_one_sigma():

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from math import hypot
 from typing import Any, Literal
 
 import numpy as np
@@ -177,12 +178,18 @@ class FaultFound:
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise that the tests used. `source`: stated, repeats or residual."""
+    """Noise that the tests used, one sigma per axis. `source`: stated, repeats or residual.
+    repeatability_mm: what the points of a pose share, None where nothing."""
 
     sigma_mm: float
     source: Literal["stated", "repeats", "residual"]
     sentence: str = ""
     repeatability_mm: float | None = None
+
+    @property
+    def alone_mm(self) -> float:
+        """What a point is off by in any case, one sigma per axis: its own noise, and what its pose shares."""
+        return hypot(self.sigma_mm, self.repeatability_mm or 0.0)
 
 
 @dataclass(frozen=True)

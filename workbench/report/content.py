@@ -186,8 +186,8 @@ def _summary(diagnosis: Diagnosis) -> str:
         besides = " and what has no name" if last.name.endswith(NAMELESS) else ""
         said.append(f"With {number} {which} below{besides} in it, {mm(last.heldout_mean_mm)} mm are left.")
     if diagnosis.noise.source != "residual":
-        alone = mm(maxwell.mean(scale=diagnosis.noise.sigma_mm))
-        said.append(f"The noise of the measurement alone would make {alone} mm.")
+        alone = mm(maxwell.mean(scale=diagnosis.noise.alone_mm))
+        said.append(f"Noise alone would make {alone} mm.")
     return " ".join(said)
 
 

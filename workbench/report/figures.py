@@ -40,7 +40,7 @@ def stages(diagnosis: Diagnosis) -> Figure:
     shown = diagnosis.stages
     names = stage_names(diagnosis)
     first, last = shown[0], shown[-1]
-    floor = float(np.sqrt(3)) * diagnosis.noise.sigma_mm
+    floor = float(np.sqrt(3)) * diagnosis.noise.alone_mm
     alone = "" if diagnosis.noise.source == "residual" else f"; the noise alone makes {mm(floor)} mm"
     with drawing("stages", 0.75 + 0.36 * len(shown)) as (axes, svg):
         for row, stage in enumerate(shown):
@@ -90,7 +90,7 @@ def histogram(diagnosis: Diagnosis) -> Figure | None:
         return None
     before, label = before_of(diagnosis, diagnosis.errors)
     after = norm_mm(diagnosis.errors.error_final)
-    sigma = diagnosis.noise.sigma_mm
+    sigma = diagnosis.noise.alone_mm
     top = max(float(np.quantile(before, 0.995)), 5 * sigma)
     wide = top > 15 * np.median(after)
     low = max(min(float(np.quantile(after, 0.005)), 0.4 * sigma), 1e-6)
@@ -137,7 +137,7 @@ def campaign(diagnosis: Diagnosis) -> Figure | None:
         axes.set_yscale("log")
         plain_log(axes.yaxis)
         axes.axhline(
-            SELDOM * diagnosis.noise.sigma_mm, color=NOISE, ls="--", lw=1.2, label="noise alone: seldom more"
+            SELDOM * diagnosis.noise.alone_mm, color=NOISE, ls="--", lw=1.2, label="noise alone: seldom more"
         )
         if len(odd):
             ring = {"ms": 10, "mfc": "none", "mec": INK, "mew": 1.2}
@@ -218,7 +218,7 @@ def _odd(diagnosis: Diagnosis, worst: Array) -> NDArray[np.int64]:
     """Poses to mark: as many as have outliers among the faults, where noise cannot explain them."""
     poses = {fault.pose_id for fault in diagnosis.faults if fault.pose_id is not None}
     largest = np.argsort(-worst, kind="stable")[: len(poses)]
-    return np.asarray(largest[worst[largest] > 6 * diagnosis.noise.sigma_mm], dtype=np.int64)
+    return np.asarray(largest[worst[largest] > 6 * diagnosis.noise.alone_mm], dtype=np.int64)
 
 
 def norm_mm(errors: Array) -> Array:

@@ -63,7 +63,7 @@ def shown_of(diagnosis: Diagnosis, q: Array) -> Shown:
     }
     if len(diagnosis.stages) > 2:
         stages["Causes in the model"] = errors.error_final
-    noise, which = 1e-3 * diagnosis.noise.sigma_mm, "Errors of the fitted poses."
+    noise, which = 1e-3 * diagnosis.noise.alone_mm, "Errors of the fitted poses."
     return Shown(q, errors.points, stages, errors.pose, errors.target, noise, which=which)
 
 

@@ -49,9 +49,11 @@ def _some(poses: list[str]) -> str:
 
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     """A few lines: verdict, causes with gain, faults, and where the report lies (`folder`, if written)."""
+    noise = diagnosis.noise
+    shared = f", and {mm(noise.repeatability_mm)} mm of a pose" if noise.repeatability_mm else ""
     lines = [
         f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
-        f"noise {mm(diagnosis.noise.sigma_mm)} mm per axis ({SOURCES[diagnosis.noise.source]})",
+        f"noise {mm(noise.sigma_mm)} mm per axis{shared} ({SOURCES[noise.source]})",
         *[f"model: {said}" for key, said in diagnosis.facts.items() if key == "Model"],
         "",
         diagnosis.headline,

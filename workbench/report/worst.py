@@ -36,7 +36,7 @@ def worst_head(diagnosis: Diagnosis) -> list[str]:
 
 def worst_said(diagnosis: Diagnosis) -> str:
     """What the noise alone would make of it."""
-    sigma = diagnosis.noise.sigma_mm
+    sigma = diagnosis.noise.alone_mm
     if diagnosis.noise.source == "residual" or not sigma > 0:
         return "3-D errors of the worst target of each pose."
     seldom = mm(SELDOM * sigma)

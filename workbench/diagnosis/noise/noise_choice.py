@@ -192,8 +192,7 @@ def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial
 
 
 def _figures(noise: Covariance, source: str, axial: Array, measured: MeasuredNoise | None) -> Noise:
-    sigma = noise.usual
-    robot = float(np.sqrt(np.mean(((axial * noise.joint) ** 2).sum(axis=2))))
+    sigma, robot = noise.usual, _shared(axial, noise)
     words = {"stated": "as stated in the campaign", "repeats": "measured from repeated poses"}[source]
     if source == "repeats" and measured is None:
         words = "shown by the distances between targets"
@@ -220,12 +219,21 @@ def from_residual(result: Fit) -> tuple[Covariance, Noise]:
         new = _parts(result)
     else:
         new = replace(result.noise, sigma=np.full_like(result.noise.sigma, _left(result)))
-    sigma = new.usual * 1e3
+    sigma, shared = 1e3 * new.usual, 1e3 * _shared(result.line.by_joint, new, body_motion(problem))
+    also = f", and {shared:.4f} mm per axis that the points of a pose share," if shared else ""
     sentence = (
-        f"No noise was stated and no pose repeated: {sigma:.4f} mm per axis is what the model leaves. "
+        f"No noise was stated and no pose repeated: {sigma:.4f} mm per axis{also} is what the model leaves. "
         "Whether that is noise cannot be judged; only what depends on something can be found."
     )
-    return new, Noise(sigma, "residual", sentence)
+    return new, Noise(sigma, "residual", sentence, shared or None)
+
+
+def _shared(axial: Array, noise: Covariance, body: Array | None = None) -> float:
+    """[m] per axis, rms, that a noise makes the points of a pose share: by the joints, and by the body."""
+    square = (axial * noise.joint) ** 2
+    if body is not None:
+        square = np.concatenate([square, (body * np.repeat(noise.body, 3)) ** 2], axis=2)
+    return float(np.sqrt(np.mean(square.sum(axis=2))))
 
 
 def _left(result: Fit) -> float:
