@@ -75,7 +75,8 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         where = place_of(finding)
         name = f"{finding.cause} ({where})" if where else finding.cause
         name = "structure" if finding.cause == UNKNOWN else name
-        lines += ["", f"  {status(finding).upper():<11} {name}   gain {finding.gain_mm * 1e3:.1f} µm"]
+        gain = f"   gain {finding.gain_mm * 1e3:.1f} µm" if finding.gain_mm > 0 else ""
+        lines += ["", f"  {status(finding).upper():<11} {name}{gain}"]
         lines += [f"{INDENT}{sentence}"] if sentence else []
         if known := [rival for rival in finding.rivals if rival.cause != UNKNOWN]:  # its sentence says others
             said = [(rival.cause, place(rival.where)) for rival in known]
