@@ -135,12 +135,14 @@ def _rival(rival: Rival) -> dict[str, Any]:
 
 
 def _separate_by(finding: Finding) -> dict[str, Any] | None:
-    """What would decide, in words, and of what can be run the first, ready (the others: `decide`)."""
+    """What would decide: of what can be run the first, its words beside its command (the others: `decide`);
+    in words alone where nothing can be run. `advice`: what such causes are told apart by in general."""
     if finding.separate_by is None:
         return None
-    ready = next((_decision(one) for one in finding.decide if one.command), {})
-    numbers = ("kind", "command", "poses", "lambda_before", "lambda_after")
-    return {"words": finding.separate_by, **{name: ready.get(name) for name in numbers}}
+    said = {"kind": None, "words": finding.separate_by, "command": None, "poses": None}
+    said |= {"lambda_before": None, "lambda_after": None}
+    ready = next((_decision(one) for one in finding.decide if one.command), said)
+    return {**ready, "advice": finding.separate_by}
 
 
 def _decision(one: Decision) -> dict[str, Any]:
