@@ -11,6 +11,7 @@ from .data import Array, Campaign
 from .file import CampaignFile
 
 RIGID = 0.1  # of the noise: targets that are measured one by one change their distances by more
+ROUNDED = 6e-6  # m, by which a distance scatters that was written to 0.01 mm; what was measured scatters more
 FINEST = 1e-6  # m, where no noise is stated: no instrument measures a distance that well again and again
 BODY = 1e-3  # m, across the line through the targets at least: points on a line are no 6-D measurement
 UNITS = 5.0  # times: no target sits as wrong as that, and no two units of length are closer
@@ -21,7 +22,7 @@ def with_six_dof(campaign: Campaign) -> Campaign:
     """The campaign, with `pose = true` and a warning where its points can be nothing else."""
     c = campaign
     scatter = _scatter(c)
-    if c.six_dof or scatter > RIGID * _noise(c):
+    if c.six_dof or scatter > min(RIGID * _noise(c), ROUNDED):
         return c
     names = ", ".join(target.name for target in c.targets)
     said = (

@@ -15,6 +15,7 @@ from ..files.faults import Fault, InputError
 from ..identification.plausible import believed
 from ..identification.registration import register
 from ..robot.kinematics import Array
+from .noise.distances import far_too_much
 from .result import NotTestable
 
 SUSPICIOUS = 5.0  # times the median distance of what the arm carries: it errs, what stands beside it does not
@@ -89,7 +90,7 @@ def first_look(campaign: Campaign) -> FirstLook:
         usual,
         problem.q[middle],
         tuple(NotTestable(cause, why) for cause, why in missing if why is not None),
-        (*remarks, *torque_columns.remarks(problem)),
+        (*remarks, *far_too_much(problem, error[carried]), *torque_columns.remarks(problem)),
         wrong,
     )
 

@@ -177,12 +177,14 @@ class FaultFound:
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise that the tests used. `source`: stated, repeats or residual."""
+    """Noise that the tests used. `source`: stated, repeats or residual. left_mm: what the fit leaves per
+    axis, where far more was stated."""
 
     sigma_mm: float
     source: Literal["stated", "repeats", "residual"]
     sentence: str = ""
     repeatability_mm: float | None = None
+    left_mm: float | None = None
 
 
 @dataclass(frozen=True)

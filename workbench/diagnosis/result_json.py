@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         FaultFound,
         Finding,
         GivenFact,
+        Noise,
         OfCampaign,
         Rival,
         Stage,
@@ -29,7 +30,7 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
         "campaign": result.campaign,
         "n_poses": result.n_poses,
         "n_points": result.n_points,
-        "noise": {"sigma_mm": _number(result.noise.sigma_mm), "source": result.noise.source},
+        "noise": _noise(result.noise),
         "stages": [_stage(stage) for stage in result.stages],
         "test": _test(result.test) if result.test else None,
         "verdict": result.verdict,
@@ -56,6 +57,11 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
         "inputs": dict(result.inputs),
         "version": result.version,
     }
+
+
+def _noise(noise: Noise) -> dict[str, Any]:
+    left = {} if noise.left_mm is None else {"left_mm": _number(noise.left_mm)}
+    return {"sigma_mm": _number(noise.sigma_mm), "source": noise.source, **left}
 
 
 def _bounds(bounds: tuple[float, float] | None) -> dict[str, float | None] | None:

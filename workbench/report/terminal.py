@@ -52,6 +52,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     lines = [
         f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
         f"noise {mm(diagnosis.noise.sigma_mm)} mm per axis ({SOURCES[diagnosis.noise.source]})",
+        *_far_too_much(diagnosis),
         *[f"model: {said}" for key, said in diagnosis.facts.items() if key == "Model"],
         "",
         diagnosis.headline,
@@ -102,6 +103,18 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             f"  page: {folder}/index.html   report: {folder}/report.pdf   model: {folder}/model.toml",
         ]
     return "\n".join(lines)
+
+
+def _far_too_much(diagnosis: Diagnosis) -> list[str]:
+    """That far more noise was stated than there is."""
+    noise = diagnosis.noise
+    if noise.left_mm is None:
+        return []
+    return [
+        f"  the fit leaves {mm(noise.left_mm)} mm per axis, far less than that noise: is it in mm? Nothing "
+        "smaller is looked for. State",
+        "  the instrument's own noise, or take it out of the campaign",
+    ]
 
 
 def _each_campaign(diagnosis: Diagnosis) -> list[str]:

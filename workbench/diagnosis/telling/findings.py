@@ -27,7 +27,7 @@ from ..weighing.remainder import Remainder, beyond_forms, remainder, repeatabili
 from .ceiling import ceiling_mm
 from .evidence import evidence
 from .facts import facts, geometry, of_campaigns, unidentifiable
-from .headline import Errors, headline, in_order, remarks, shows_in, steps, verdict_of
+from .headline import Errors, headline, in_order, remarks, shows_in, steps, verdict_of, with_left
 from .in_the_model import InModel, beside_the_model, has
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
@@ -77,7 +77,7 @@ def assemble(parts: Parts) -> Diagnosis:
         campaign=c.title,
         n_poses=len(c.poses),
         n_points=int(problem.seen.sum()),
-        noise=prepared.noise,
+        noise=with_left(prepared.noise, left),
         stages=tuple(stages),
         verdict=verdict,
         headline=line + moved,

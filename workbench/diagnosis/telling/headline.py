@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
 from ..prepared import Prepared
 from ..priors import PRIORS
-from ..result import FaultFound, Finding, GivenFact, Rival, Stage, Verdict
+from ..result import FaultFound, Finding, GivenFact, Noise, Rival, Stage, Verdict
 from ..search.worth import FAINT
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder
 
@@ -21,6 +21,7 @@ MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many
 # faults that a headline says
 STEPS = ("moved_instrument", "changed_setup", "moved_zero", "changed_load", "changed_scale")
 MORE = 1.1  # times the held-out error: what a model without what does not last has to leave to be told
+OVERSTATED = 2.0  # times what the fit leaves, from which a stated noise is doubted beside its number
 SMALL_MM = 0.01  # below it a headline has micrometres
 LITTLE = "which brings less than a tenth of the noise"
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
@@ -207,6 +208,12 @@ def in_order(faults: Sequence[FaultFound], pose_ids: Sequence[str]) -> tuple[Fau
     stepping = [fault for fault in faults if fault.kind in STEPS]
     ordered = iter(sorted(stepping, key=lambda fault: at.get(fault.pose_id or "", -1)))
     return tuple(next(ordered) if fault.kind in STEPS else fault for fault in faults)
+
+
+def with_left(noise: Noise, left: Remainder) -> Noise:
+    """The noise with what the fit leaves, where far more was stated."""
+    far = left.overstated and left.inflation < 1 / OVERSTATED
+    return replace(noise, left_mm=noise.sigma_mm * left.inflation) if far else noise
 
 
 def _times(ratio: float) -> str:
