@@ -10,8 +10,9 @@ from diagnosis_cases import SIGMA, assert_slopes, found, measured, named, robot,
 
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.result import Diagnosis, FaultFound, Finding, Rival, Stage
+from workbench.diagnosis.result import Detectable, Diagnosis, FaultFound, Finding, Rival, Stage
 from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.telling import findings
 from workbench.diagnosis.telling.evidence import structure_evidence
 from workbench.diagnosis.telling.headline import Errors, headline
 from workbench.diagnosis.telling.headline import steps as said_of_steps
@@ -93,6 +94,19 @@ def test_a_clean_robot_lacks_nothing(name, load):
     assert 1e-6 < seen["backlash", elbow] < 1e-4
     assert {"gear_ratio", "gear_eccentricity", "joint_compliance"} <= {cause for cause, _ in seen}
     assert {item.cause for item in diagnosis.not_testable} >= {"drift", "thermal_growth", "readback_joints"}
+
+
+def test_what_was_not_tested_has_no_size_that_would_show(monkeypatch):
+    """Whatever the final fit shows of it."""
+
+    def of_all(candidates, final, known):
+        return [Detectable(e.cause, e.where, 1.0, "1") for e in candidates]
+
+    monkeypatch.setattr(findings, "detectable", of_all)
+    diagnosis = diagnose(measured("kr500"), seed=0).diagnosis
+    untested = {(item.cause, item.where) for item in diagnosis.not_testable if item.where.keys()}
+    assert untested
+    assert untested.isdisjoint((item.cause, item.where.any_order) for item in diagnosis.detectable)
 
 
 # ---------------------------------------------------------------- one cause

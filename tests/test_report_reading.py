@@ -99,6 +99,13 @@ def test_a_command_can_be_copied() -> None:
     assert step.endswith("compensate PATH.csv --model 'cell 1/model.toml'")
 
 
+def test_rows_of_the_geometry_are_set_off_from_its_independent_parameters() -> None:
+    """The stages count these, the table has those."""
+    made = example.diagnosis()
+    said = str(content(made)["geometry_said"])
+    assert f"The {len(made.geometry)} rows are {made.stages[1].parameters} independent parameters" in said
+
+
 def test_robot_and_campaign_of_one_name_stand_once() -> None:
     made = example.diagnosis()
     assert content(replace(made, campaign=made.robot_title))["origin"] == made.robot_title

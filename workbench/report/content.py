@@ -74,8 +74,9 @@ UNIDENTIFIABLE = (
 )
 GEOMETRY = (
     "Corrections of the joints' frames to the model: tx, ty, tz shifts, rx, ry, rz turns; z is the axis of "
-    f"motion. Intervals: {SUPPORT}. Where one is wide, other rows move the points alike: what they make "
-    "together is known, each by itself is not."
+    "motion. The {rows} rows are {parameters} independent parameters. Intervals: {support}. "
+    "Where one is wide, other rows move the points alike: what they make together is known, each by itself "
+    "is not."
 )
 IN_TILES = re.compile(r"Held-out error [^()]*?\.(?=\s|$)")  # of the headline: tiles and stages say it
 OUTSIDE = "something that no cause of the catalogue explains"
@@ -114,7 +115,9 @@ def content(diagnosis: Diagnosis) -> Content:
         "worst": worst_poses(diagnosis),
         "worst_head": worst_head(diagnosis),
         "worst_said": worst_said(diagnosis),
-        "geometry_said": GEOMETRY,
+        "geometry_said": GEOMETRY.format(
+            rows=len(diagnosis.geometry), parameters=_independent(diagnosis), support=SUPPORT
+        ),
         "facts": [[name, value] for name, value in facts(diagnosis)],
         "notes": list(diagnosis.notes),
         "given": [_given(fact) for fact in diagnosis.given],
@@ -350,6 +353,11 @@ def _parameter(parameter: Parameter) -> dict[str, str]:
         "interval": shown.interval or MISSING,
         "meaning": parameter.meaning,
     }
+
+
+def _independent(diagnosis: Diagnosis) -> int:
+    """How many numbers the stage of geometry has beside frame and targets."""
+    return diagnosis.stages[1].parameters if len(diagnosis.stages) > 1 else len(diagnosis.geometry)
 
 
 def _geometry(parameter: Parameter) -> list[str]:
