@@ -14,12 +14,13 @@ from typing import Any
 
 from scipy.stats import maxwell
 
-from ..diagnosis.result import NAMELESS, Decision, Diagnosis, FaultFound, Finding, GivenFact
+from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound, Finding, GivenFact
 from ..diagnosis.telling.headline import STEPS, listed, words_of
 from ..effects.base import UNKNOWN
 from ..effects.place import Parameter
 from . import figures
 from .dataset import SUPPORT, facts
+from .deciding import to_decide, ways
 from .drawing import Figure
 from .equation import typeset
 from .legible import legible
@@ -33,7 +34,6 @@ from .numbers import (
     p_value,
     probability,
     quantity,
-    significant,
     words,
 )
 from .reliability import published
@@ -307,7 +307,7 @@ def _cause(finding: Finding, number: int) -> Content:
         "rivals": _rivals(finding),
         "rivals_said": "May be" if unknown else "Fits as well",
         "separate_by": finding.separate_by or "",
-        "decide": [[decision(one), one.command or ""] for one in to_decide(finding)],
+        "decide": ways(finding),
         "figure": f"evidence{number}" if finding.evidence is not None and len(finding.evidence.x) else "",
     }
 
@@ -315,19 +315,6 @@ def _cause(finding: Finding, number: int) -> Content:
 def status(finding: Finding) -> str:
     """How a finding stands, in a word."""
     return "unexplained" if finding.cause == UNKNOWN else finding.status
-
-
-def to_decide(finding: Finding) -> list[Decision]:
-    """What would decide, beyond what the advice says in the same words."""
-    return [one for one in finding.decide if one.command or decision(one) not in (finding.separate_by or "")]
-
-
-def decision(one: Decision) -> str:
-    """What would decide, with λ before and after."""
-    if one.lambda_after is None:
-        return one.words
-    before, after = (significant(float(f"{value:.2g}"), 2) for value in (one.lambda_before, one.lambda_after))
-    return f"{one.words} (λ {before} → {after})"
 
 
 def _rivals(finding: Finding) -> list[str]:
