@@ -118,7 +118,7 @@ def test_of_many_commands_the_first_stands_and_a_long_one_reads_the_result() -> 
         Decision("poses", "30 more poses", plan, 30, 1.0, 40.0),
         Decision("reading", "read mass_kg of link_2", read, None, 1.0, None),
     )
-    open_ = replace(made.causes[0], status="ambiguous", decide=decide)
+    open_ = replace(made.causes[0], status="ambiguous", separate_by="weigh it", decide=decide)
     made = replace(made, causes=(open_,))
     assert [folded for _, _, folded in ways(open_)] == [True, True]
     told = short_verdict(made, Path("cell 1"))
