@@ -74,7 +74,8 @@ def test_optional_columns(tmp_path: Path) -> None:
         "b,10,20,0.2,,0,0,0,1,60,,,,,first,,,\n"
         "c,10,20,0.3,heavy,0,0,-1,0,61.5,22,1,2,3,second,10,0.3,100\n"
     )
-    toml = TOML + "[noise]\nsigma_mm = 0.03\npose = true\n[tool]\nmass_kg = 60\ncom_mm = [1, 2, 3]\n"
+    toml = TOML.replace('on = "link_2"\n', "")  # a 6-D measurement is of one body
+    toml += "[noise]\nsigma_mm = 0.03\npose = true\n[tool]\nmass_kg = 60\ncom_mm = [1, 2, 3]\n"
     campaign = load_campaign(write_example(tmp_path, toml, poses))
     assert campaign.poses.payload.tolist() == [1, 0, 1]
     np.testing.assert_allclose(campaign.poses.wrench[0], [0, 0, -5, 6, 0, 0])

@@ -82,7 +82,8 @@ def test_join_knows_which_campaigns_state_no_noise(tmp_path: Path) -> None:
 
 def test_join_refuses_what_cannot_be_one(tmp_path: Path) -> None:
     one = load_campaign(write_example(tmp_path / "one"))
-    other = write_example(tmp_path / "two", TOML + "[noise]\npose = true\n")
+    one_body = TOML.replace('on = "link_2"\n', "")
+    other = write_example(tmp_path / "two", one_body + "[noise]\npose = true\n")
     robot = other.parent / "robot" / "tiny.toml"
     robot.write_text(robot.read_text().replace('"tiny"', '"huge"'))
     two = load_campaign(other)

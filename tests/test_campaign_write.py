@@ -89,7 +89,7 @@ def campaigns(draw: st.DrawFn, robot_folder: Path) -> Campaign:
         shots=seen.astype(np.int64),
         sigma=None if sigma is None else np.where(seen[..., None], sigma, np.nan),
         noise_sigma=draw(st.sampled_from([None, 3e-5])),
-        six_dof=draw(st.booleans()),
+        six_dof=draw(st.booleans()) and len({target.on for target in targets}) == 1,
         poses=Poses(
             ids=tuple(names),
             q=scale * rng.normal(size=(n, 3)),

@@ -45,7 +45,8 @@ from workbench.measurement.design.ties import (
     tie_of,
     told_apart,
 )
-from workbench.report.content import content, decision
+from workbench.report.content import content
+from workbench.report.deciding import decision
 from workbench.studies import demo
 from workbench.studies.followup import case_keys, followup
 from workbench.studies.followup.case import judged
@@ -150,7 +151,7 @@ def test_one_tie_has_one_lambda(open_tie, tmp_path):
     told.write_text(json.dumps(written))
     (cause,) = (one for one in written["causes"] if one["status"] == "ambiguous")
     offered = next(one for one in cause["decide"] if one["command"])
-    assert cause["separate_by"] == {**offered, "words": finding.separate_by}
+    assert cause["separate_by"] == {**offered, "advice": finding.separate_by}  # words and command are of one
     assert all(one["separate_by"] is None for one in written["causes"] if one["status"] == "named")
     tell = shlex.split(way.command)[shlex.split(way.command).index("--tell") + 1]
     for text in (tell, str(told)):
@@ -229,7 +230,7 @@ def test_ties_that_are_open_at_once_are_settled_in_one_visit(hosed):
     (ours,), (theirs,) = decide._at_once(ties, alone, offers)
     assert ours.kind == "drive_torque"
     assert ours.command == theirs.command
-    assert ours.words.endswith("chosen for it and for joint_compliance(joint_2)")
+    assert ours.words.endswith("chosen for it and for joint compliance in joint_2")
     assert ours.poses < sum(ways[0].poses for ways in alone)
     made = follow_up(campaign, ours, quick=True)
     assert made.drive.torque
@@ -252,7 +253,7 @@ def test_what_torques_tell_of_a_tie_that_they_do_not_settle_is_counted(hosed):
     valued = at_zero([tie])
     offers = decide.Offers(prior, valued, prior.of_campaign(valued))
     (words,) = decide._told_by_torque(offers, tie, "tau1_Nm")
-    assert re.search(r"at \d+ more poses: they tell hose_torque\(joint_5\) from gear_ratio\(joint_5\)", words)
+    assert re.search(r"at \d+ more poses: they tell hose torque in joint_5 from gear ratio in joint_5", words)
 
 
 def test_a_scale_is_asked_for_where_a_mass_is_a_rival(open_tie):
@@ -270,7 +271,7 @@ def test_a_scale_is_asked_for_where_a_mass_is_a_rival(open_tie):
     offers = SimpleNamespace(space=space, carried={}, unsettled=frozenset())
     ways = decide._readings(prior.problem, tie, offers, least(space, space.before, tie))
     (scale,) = (way for way in ways if "mass_kg" in way.words)
-    assert scale.words.endswith("kg: whether it is link_mass(link_3)")
+    assert scale.words.endswith("kg: whether it is link mass in link_3")
     assert "--known link_mass:link=link_3,mass_kg=VALUE,std=" in scale.command
 
 

@@ -199,6 +199,47 @@ def test_a_6d_measurement_is_three_points(tmp_path):
     assert any("turned_mm = 100 under [points] makes three points of each" in one for one in alone.warnings)
 
 
+BESIDE = """pose_id,target,x_mm,y_mm,z_mm,qw,qx,qy,qz
+a,T1,1,2,3,1,0,0,0
+a,B,9,9,9,{turn}
+b,T1,4,5,6,1,0,0,0
+b,B,9,9,9,{turn}
+c,T1,7,8,9,1,0,0,0
+c,B,9,9,9,{turn}
+"""
+ON_BASE = '[targets.T1]\n[targets.B]\non = "base"\n'
+
+
+@pytest.mark.parametrize("turn", [",,,", "0,0,0,0"])
+def test_a_6d_measurement_beside_a_reflector_is_not_read_and_the_advice_works(tmp_path, turn):
+    points = BESIDE.format(turn=turn)
+    (told,) = faults(
+        write_example(tmp_path, BARE.format(poses="", points="turned_mm = 100\n") + ON_BASE, POSES, points)
+    )
+    assert "points.csv: no line of 'B' says how it is turned" in told
+    assert "take turned_mm out" in told
+    read = load_campaign(write_example(tmp_path, BARE.format(poses="", points="") + ON_BASE, POSES, points))
+    assert [(target.name, target.on) for target in read.targets] == [("T1", "flange"), ("B", "base")]
+    assert not read.six_dof
+
+
+def test_a_6d_measurement_is_of_one_body(tmp_path):
+    points = BESIDE.format(turn="1,0,0,0")
+    toml = BARE.format(poses="", points="turned_mm = 100\n") + ON_BASE
+    toml += '[targets.B_x]\non = "base"\n[targets.B_y]\non = "base"\n'
+    (told,) = faults(write_example(tmp_path, toml, POSES, points))
+    assert "points.turned_mm: the targets are on flange and base, but one 6-D measurement is of one" in told
+    toml = BARE.format(poses="", points="") + ON_BASE + "[noise]\npose = true\n"
+    (told,) = faults(write_example(tmp_path, toml, POSES, points))
+    assert "noise.pose: the targets are on flange and base" in told
+
+
+def test_an_empty_turn_of_a_target_that_has_others_is_told(tmp_path):
+    toml = BARE.format(poses="", points=SIX_D_KEYS + "turned_mm = 100\n")
+    (told,) = faults(write_example(tmp_path, toml, POSES, SIX_D.replace("0.5,0.5,0.5,0.5", ",,,")))
+    assert "line 4: qw ('q0') and the three beside it are no quaternion" in told
+
+
 def test_faults_of_a_6d_measurement(tmp_path):
     toml = BARE.format(poses="", points=SIX_D_KEYS + "turned_mm = 100\n")
     told = faults(write_example(tmp_path, toml, POSES, SIX_D.replace("0.5,0.5,0.5,0.5", "0,0,0,0")))

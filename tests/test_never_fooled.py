@@ -13,6 +13,7 @@ from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import run
+from workbench.diagnosis.first_look import first_look
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.weighing.components import cause_components
@@ -20,6 +21,7 @@ from workbench.effects.unnamed.loads import OwnWeights
 from workbench.files.faults import InputError, read_text
 from workbench.files.toml import read_toml
 from workbench.report.content import content
+from workbench.report.terminal import short_verdict
 from workbench.robot.description import load_robot
 from workbench.robot.loads import wrenches
 from workbench.robot.rigid_plant import arrays
@@ -166,6 +168,24 @@ def test_a_file_of_six_dof_targets_is_taken_as_such(tmp_path):
     assert "distances between T1, T2, T3 never change" in said
     one_by_one = measured("ur5", poses=20, loads=())
     assert not load_campaign(write_campaign(tmp_path / "three", one_by_one)).six_dof
+
+
+def test_a_noise_in_micrometres_is_told_before_and_after_the_fit(tmp_path):
+    """30 for 0.03 mm: targets that were measured one by one are no 6-D measurement for that."""
+    one_by_one = measured("ur5", poses=40, loads=())
+    path = write_campaign(tmp_path / "c", replace(one_by_one, noise_sigma=0.03))
+    campaign = load_campaign(path)
+    assert not campaign.six_dof
+    (said,) = [line for line in first_look(campaign).remarks if "stated noise" in line]
+    assert "noise of 30 mm per axis is" in said
+    assert "is it in mm?" in said
+    told = diagnose(campaign).diagnosis
+    assert told.noise.left_mm is not None
+    assert told.noise.left_mm < 1
+    assert "the fit leaves 0." in short_verdict(told, None)
+    usual = measured("ur5", poses=40, loads=())
+    assert not any("stated noise" in line for line in first_look(usual).remarks)
+    assert diagnose(usual).diagnosis.noise.left_mm is None
 
 
 def test_points_in_inches_beside_a_campaign_in_millimetres_are_told_as_that(tmp_path):

@@ -586,17 +586,60 @@ def test_a_check_does_not_promise_that_calibration_mends_another_robot():
 def test_a_check_says_of_a_target_that_is_none_in_one_line():
     """Rotations that were read as places, as of a table with both."""
 
-    def rotations(places):
-        places[:, 1] = np.random.default_rng(1).uniform(-0.18, 0.18, (len(places), 3))
-        places[5, 2] += 2.0
+    def spoilt(places):
+        no_places(places)[5, 2] += 2.0
         return places
 
-    checked = check_campaign(first_look(points(honest(), rotations)))
+    checked = check_campaign(first_look(points(honest(), spoilt)))
     (said,) = (lines for title, lines in checked.sections.items() if title.startswith("Suspicious"))
     assert len(said) == 2
     assert said[0].startswith("T2: 40 of its 40 points")
     assert "T3" in said[1]
     assert len(checked.facts["suspicious"]) == 41
+    one = check_campaign(first_look(points(honest(), no_places)))
+    assert "calibration takes most of that but for the suspicious ones" in one.text
+
+
+def test_targets_on_the_base_make_none_on_the_arm_suspicious():
+    """They err by the noise alone, whatever the robot does."""
+    seen = honest()
+    still = np.broadcast_to([[1.0, 2.0, 0.1], [1.5, 2.0, 0.2]], (*seen.points.shape[:1], 2, 3))
+    rng = np.random.default_rng(2)
+    beside = replace(
+        seen,
+        targets=(*seen.targets, Target("B1", on="base"), Target("B2", on="base")),
+        points=np.concatenate([seen.points, still + 3e-5 * rng.standard_normal(still.shape)], axis=1),
+        shots=np.concatenate([seen.shots, np.ones((len(seen.shots), 2), dtype=np.int64)], axis=1),
+    )
+    checked, alone = check_campaign(first_look(beside)), check_campaign(first_look(seen))
+    assert "0 suspicious" in checked.headline
+    assert checked.facts["median_mm"] == pytest.approx(alone.facts["median_mm"], rel=0.05)
+
+
+def no_places(places):
+    places[:, 1] = np.random.default_rng(1).uniform(-0.18, 0.18, (len(places), 3))
+    return places
+
+
+def another_frame(places):
+    places[:, 1] = places[:, 1][:, [1, 2, 0]]
+    return places
+
+
+def knocked(places):
+    places[20:, 1] += 0.1
+    return places
+
+
+def test_of_two_targets_one_that_is_none_is_refused():
+    """No majority of the points tells which are wild: a fit of all would explain nothing."""
+    with pytest.raises(InputError) as caught:
+        believed(problem_of(points(honest(count=2), no_places)))
+    assert "the points of T2 do not fit the robot that the others fit" in str(caught.value)
+    with pytest.raises(InputError) as caught:
+        believed(problem_of(points(honest(count=2), another_frame)))
+    assert "the points of T1 and T2 fit the robot, but not together" in str(caught.value)
+    believed(problem_of(points(honest(count=2), knocked)))
 
 
 def test_the_command_line_warns_of_a_zero_that_is_off(tmp_path, capsys):

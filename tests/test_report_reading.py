@@ -13,12 +13,13 @@ import pytest
 
 from workbench.campaign.guess import guess_points, guess_poses
 from workbench.campaign.template import template_files
-from workbench.diagnosis.result import FaultFound, Rival
+from workbench.diagnosis.result import Decision, FaultFound, Rival
 from workbench.diagnosis.telling.findings import said_together
 from workbench.diagnosis.telling.headline import in_order
 from workbench.diagnosis.telling.standing import Standing, why_open
 from workbench.effects.place import Where
 from workbench.report.content import content, gather
+from workbench.report.deciding import LONG, ways
 from workbench.report.first_look import _along
 from workbench.report.numbers import mm
 from workbench.report.page import page
@@ -97,6 +98,38 @@ def test_a_command_can_be_copied() -> None:
     assert "  next: " not in short_verdict(made, Path("found"))
     (step,) = [line for line in short_verdict(named, Path("cell 1")).splitlines() if "  next: " in line]
     assert step.endswith("compensate PATH.csv --model 'cell 1/model.toml'")
+
+
+def test_rows_of_the_geometry_are_set_off_from_its_independent_parameters() -> None:
+    """The stages count these, the table has those."""
+    made = example.diagnosis()
+    said = str(content(made)["geometry_said"])
+    assert f"The {len(made.geometry)} rows are {made.stages[1].parameters} independent parameters" in said
+
+
+def test_of_many_commands_the_first_stands_and_a_long_one_reads_the_result() -> None:
+    made = example.diagnosis()
+    tell = f"gear_ratio:joint=joint_2,relative=1e-4,{'x' * LONG}"
+    plan, read = (
+        f"workbench plan c.toml --tell {tell} --poses 30 --out f",
+        "workbench diagnose c.toml --known A",
+    )
+    decide = (
+        Decision("poses", "30 more poses", plan, 30, 1.0, 40.0),
+        Decision("reading", "read mass_kg of link_2", read, None, 1.0, None),
+    )
+    open_ = replace(made.causes[0], status="ambiguous", separate_by="weigh it", decide=decide)
+    made = replace(made, causes=(open_,))
+    assert [folded for _, _, folded in ways(open_)] == [True, True]
+    told = short_verdict(made, Path("cell 1"))
+    assert "workbench plan c.toml --tell 'cell 1/result.json' --poses 30 --out f" in told
+    assert read not in told
+    assert "(the command of the other: on the page, and in cell 1/result.json)" in told
+    assert page(gather(made)).count("<summary>its command</summary>") == 2
+    assert plan in short_verdict(made, None)  # no result was written
+    two = replace(made, causes=(open_, replace(open_, decide=())))
+    assert "--tell 'cell 1/result.json' --out f" in short_verdict(two, Path("cell 1"))
+    assert [f for _, _, f in ways(replace(open_, decide=decide[1:]))] == [False]
 
 
 def test_robot_and_campaign_of_one_name_stand_once() -> None:

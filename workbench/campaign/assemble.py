@@ -124,10 +124,9 @@ def _sort_points(file: CampaignFile, robot: Robot, poses: Table, points: Table) 
     """Means of the shots on the grid (pose, target), their numbers, sigma and pooled scatter."""
     names, warnings = _target_names(file, points)
     if "qw" in points.numbers:
-        warnings.append(
-            f"{points.path}: qw, qx, qy, qz, how the target is turned, are not used; turned_mm = 100 under "
-            "[points] makes three points of each"
-        )
+        all_turned = np.isfinite(points.numbers["qw"]).all()
+        use = "; turned_mm = 100 under [points] makes three points of each" if all_turned else ""
+        warnings.append(f"{points.path}: qw, qx, qy, qz, how the target is turned, are not used{use}")
     targets, more = _targets(file, robot, names, points)
     warnings += more
     rows = {pose_id: row for row, pose_id in enumerate(poses.texts["pose_id"])}

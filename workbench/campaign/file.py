@@ -47,7 +47,8 @@ class PointsFile(TableFile):
     """targets side by side: name → columns of x, y and z"""
     turned_mm: Annotated[FiniteFloat, Field(gt=0)] | None = None
     """6-D measurement: columns qw, qx, qy, qz say how the target is turned; it is read as three points, NAME,
-    NAME_x and NAME_y, the two so far along its axes: about as far as the targets are from the flange"""
+    NAME_x and NAME_y, the two so far along its axes: about as far as the targets are from the flange. Leave
+    it out where single reflectors are in the table: all are read as points then"""
 
 
 class PosesFile(TableFile):
@@ -216,5 +217,5 @@ def point_columns(file: CampaignFile, named: bool = False) -> list[Column]:
         Column("target", text=True, required=len(file.targets) > 1, mend="name the target of every point"),
         *(Column(axis, ("length",), required=True, wild=True, mend=unseen) for axis in "xyz"),
         *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
-        *(Column(name, required=turned, blank=not turned, mend=unseen) for name in QUATERNION),
+        *(Column(name, required=turned, blank=True) for name in QUATERNION),
     ]

@@ -17,7 +17,7 @@ from .data import Campaign
 from .file import CampaignFile, pose_columns, read_campaign_file
 from .point_table import number_points, number_poses, read_points
 from .program_joints import joint_table
-from .six_dof import with_six_dof
+from .six_dof import check_one_body, with_six_dof
 
 
 def load_campaign(path: str | Path) -> Campaign:
@@ -93,6 +93,7 @@ def joined(path: Path, file: CampaignFile, robot: Robot, poses: Table, points: T
     if faults := _no_match(poses, points):
         raise InputError(faults)
     campaign = assemble(path, file, robot, poses, points)
+    check_one_body(campaign, file)
     said = (f"{points.path}: no column pose_id: the points are joined to the poses in order",) * in_order
     return with_six_dof(replace(campaign, warnings=(*said, *campaign.warnings)))
 

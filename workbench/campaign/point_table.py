@@ -7,14 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ..files.faults import InputError, read_text
+from ..files.faults import Fault, InputError, read_text
 from ..files.tables import Column, Layout, Table, parse_table, read_table
 from ..robot import rotations
-from .assemble import ONLY
+from .assemble import ONLY, some
 from .file import QUATERNION, CampaignFile, point_columns
 
 ROUNDED = 0.01  # that a quaternion's length is off 1 by its decimals at most
 AXES = ("x_mm", "y_mm", "z_mm")
+WITHOUT_TURNS = "a 6-D measurement is not read beside single reflectors"
+NO_TURNS = "take turned_mm out: all are read as points then, without turns; or leave out the reflectors"
 
 
 def read_points(path: Path, file: CampaignFile, place: str, named: bool = False) -> Table:
@@ -44,7 +46,13 @@ def _three_each(table: Table, file: CampaignFile, arm: float) -> Table:
     if table.faults:
         return table
     quaternion = np.stack([table.numbers.pop(name) for name in QUATERNION], axis=1)
-    off = np.abs(np.linalg.norm(quaternion, axis=1) - 1) > ROUNDED
+    names = table.texts.get("target", [next(iter(file.targets), ONLY)] * len(table))
+    off = ~(np.abs(np.linalg.norm(quaternion, axis=1) - 1) <= ROUNDED)
+    turned = {name for name, no_turn in zip(names, off, strict=True) if not no_turn}
+    if turned and (plain := [name for name in dict.fromkeys(names) if name not in turned]):
+        what = f"no line of {some(plain)} says how it is turned, and {WITHOUT_TURNS}"
+        table.faults.append(Fault(str(table.path), what, NO_TURNS))
+        return table
     if off.any():
         mend = "give qw, qx, qy and qz, the scalar as qw; leave out the line of a target that was not seen"
         table.add_fault_where(off, "qw", "and the three beside it are no quaternion of length 1", mend)
@@ -52,7 +60,6 @@ def _three_each(table: Table, file: CampaignFile, arm: float) -> Table:
     R = rotations.from_quaternions(quaternion)
     place = np.stack([table.numbers[axis] for axis in "xyz"], axis=1)
     points = place[:, None] + arm * np.stack([np.zeros_like(place), R[:, :, 0], R[:, :, 1]], axis=1)
-    names = table.texts.get("target", [next(iter(file.targets), ONLY)] * len(table))
     numbers = {name: np.repeat(values, 3) for name, values in table.numbers.items()}
     numbers |= {axis: points[:, :, k].ravel() for k, axis in enumerate("xyz")}
     texts = {name: [cell for cell in cells for _ in range(3)] for name, cells in table.texts.items()}

@@ -6,9 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..files.faults import Fault, InputError
 from .data import Array, Campaign
+from .file import CampaignFile
 
 RIGID = 0.1  # of the noise: targets that are measured one by one change their distances by more
+ROUNDED = 6e-6  # m, by which a distance scatters that was written to 0.01 mm; what was measured scatters more
 FINEST = 1e-6  # m, where no noise is stated: no instrument measures a distance that well again and again
 BODY = 1e-3  # m, across the line through the targets at least: points on a line are no 6-D measurement
 UNITS = 5.0  # times: no target sits as wrong as that, and no two units of length are closer
@@ -19,7 +22,7 @@ def with_six_dof(campaign: Campaign) -> Campaign:
     """The campaign, with `pose = true` and a warning where its points can be nothing else."""
     c = campaign
     scatter = _scatter(c)
-    if c.six_dof or scatter > RIGID * _noise(c):
+    if c.six_dof or scatter > min(RIGID * _noise(c), ROUNDED):
         return c
     names = ", ".join(target.name for target in c.targets)
     said = (
@@ -27,6 +30,21 @@ def with_six_dof(campaign: Campaign) -> Campaign:
         "of one 6-D measurement, and taken as such; say pose = true under [noise]"
     )
     return replace(c, six_dof=True, warnings=(*c.warnings, said))
+
+
+def check_one_body(campaign: Campaign, file: CampaignFile) -> None:
+    """Raises `InputError` where targets of one 6-D measurement are said to be on several bodies."""
+    bodies = dict.fromkeys(target.on for target in campaign.targets)
+    if not campaign.six_dof or len(bodies) < 2:
+        return
+    what = f"the targets are on {' and '.join(bodies)}, but one 6-D measurement is of one body"
+    turned = file.points.turned_mm is not None
+    place, mend = (
+        ("points.turned_mm", "take it out: all are read as points then, without turns; or")
+        if turned
+        else ("noise.pose", "take it out if the targets are measured one by one; or")
+    )
+    raise InputError(Fault(f"{campaign.path}: {place}", what, f"{mend} leave out those of the other body"))
 
 
 def _scatter(campaign: Campaign) -> float:

@@ -63,13 +63,16 @@ def known_option(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
-def load_options(parser: argparse.ArgumentParser) -> None:
-    """Tool and payload along a path; `conditions` says what they mean."""
+def load_options(parser: argparse.ArgumentParser, besides: str = "") -> None:
+    """Tool and payload along a path; `conditions` says what they mean. besides: what else of a campaign
+    counts."""
     parser.add_argument(
         "--payload", default="", metavar="NAME", help="what the arm carries (default: nothing)"
     )
     parser.add_argument(
-        "--campaign", metavar="CAMPAIGN.toml", help="where tool and payload are stated (default: the model)"
+        "--campaign",
+        metavar="CAMPAIGN.toml",
+        help=f"where tool and payload are stated (default: the model){besides}",
     )
 
 

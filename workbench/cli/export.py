@@ -15,7 +15,8 @@ def add(commands: Commands) -> None:
     # no choices here: the formats take long to import
     formats = "urdf, sdf, drake, mjcf, ur-kinematics, dh, opw"
     parser.add_argument("--to", required=True, metavar="FORMAT", help=formats)
-    load_options(parser)
+    besides = "; its poses are those where the geometry is fitted and errors are told (default: drawn ones)"
+    load_options(parser, besides)
     out_option(parser, "folder (reports/export/FORMAT)")
     json_option(parser)
     parser.set_defaults(run=run)

@@ -15,9 +15,10 @@ from ..files.faults import Fault, InputError
 from ..identification.plausible import believed
 from ..identification.registration import register
 from ..robot.kinematics import Array
+from .noise.distances import far_too_much
 from .result import NotTestable
 
-SUSPICIOUS = 5.0  # times the median distance
+SUSPICIOUS = 5.0  # times the median distance of what the arm carries: it errs, what stands beside it does not
 
 
 @dataclass(frozen=True)
@@ -25,9 +26,9 @@ class FirstLook:
     """Where the points are beside a robot that is as its URDF says.
 
     points: (M, 3) [m] measured, in the base frame; error: (M, 3) [m] measured minus nominal; pose, target:
-    (M,) their numbers; suspicious: (M,) far off the others; q: (n,) joints of the middle pose.
-    not_testable: causes that such data cannot show. wrong: why
-    joints, points and robot do not belong together; remarks: what is worth a word of it.
+    (M,) their numbers; suspicious: (M,) far off the others; usual: [m] the median distance; q: (n,) joints of
+    the middle pose. not_testable: causes that such data cannot show. wrong: why joints, points and robot do
+    not belong together; remarks: what is worth a word of it.
     """
 
     campaign: Campaign
@@ -36,6 +37,7 @@ class FirstLook:
     pose: NDArray[np.int64]
     target: NDArray[np.int64]
     suspicious: NDArray[np.bool_]
+    usual: float
     q: Array
     not_testable: tuple[NotTestable, ...]
     remarks: tuple[str, ...]
@@ -74,6 +76,8 @@ def first_look(campaign: Campaign) -> FirstLook:
     pose, target = np.nonzero(problem.seen)
     points, error = measured[pose, target], (measured - nominal)[pose, target]
     distance = np.linalg.norm(error, axis=1)
+    carried = np.array(problem.on)[target] > 0
+    usual = float(np.median(distance[carried] if carried.any() else distance))
     middle = np.argmin(np.linalg.norm(problem.q - np.median(problem.q, axis=0), axis=1))
     missing = [(cause, kind.needs(problem)) for cause, kind in catalogue().items()]
     return FirstLook(
@@ -82,10 +86,11 @@ def first_look(campaign: Campaign) -> FirstLook:
         error,
         pose,
         target,
-        distance > SUSPICIOUS * np.median(distance),
+        distance > SUSPICIOUS * usual,
+        usual,
         problem.q[middle],
         tuple(NotTestable(cause, why) for cause, why in missing if why is not None),
-        (*remarks, *torque_columns.remarks(problem)),
+        (*remarks, *far_too_much(problem, error[carried]), *torque_columns.remarks(problem)),
         wrong,
     )
 

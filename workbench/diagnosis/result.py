@@ -179,12 +179,14 @@ class FaultFound:
 @dataclass(frozen=True)
 class Noise:
     """Noise that the tests used, one sigma per axis. `source`: stated, repeats or residual.
-    repeatability_mm: what the points of a pose share, None where nothing."""
+    repeatability_mm: what the points of a pose share, None where nothing; left_mm: what the fit leaves, where
+    far more was stated."""
 
     sigma_mm: float
     source: Literal["stated", "repeats", "residual"]
     sentence: str = ""
     repeatability_mm: float | None = None
+    left_mm: float | None = None
 
     @property
     def alone_mm(self) -> float:

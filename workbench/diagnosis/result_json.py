@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         FaultFound,
         Finding,
         GivenFact,
+        Noise,
         OfCampaign,
         Rival,
         Stage,
@@ -29,7 +30,7 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
         "campaign": result.campaign,
         "n_poses": result.n_poses,
         "n_points": result.n_points,
-        "noise": {"sigma_mm": _number(result.noise.sigma_mm), "source": result.noise.source},
+        "noise": _noise(result.noise),
         "stages": [_stage(stage) for stage in result.stages],
         "test": _test(result.test) if result.test else None,
         "verdict": result.verdict,
@@ -56,6 +57,11 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
         "inputs": dict(result.inputs),
         "version": result.version,
     }
+
+
+def _noise(noise: Noise) -> dict[str, Any]:
+    left = {} if noise.left_mm is None else {"left_mm": _number(noise.left_mm)}
+    return {"sigma_mm": _number(noise.sigma_mm), "source": noise.source, **left}
 
 
 def _bounds(bounds: tuple[float, float] | None) -> dict[str, float | None] | None:
@@ -135,12 +141,14 @@ def _rival(rival: Rival) -> dict[str, Any]:
 
 
 def _separate_by(finding: Finding) -> dict[str, Any] | None:
-    """What would decide, in words, and of what can be run the first, ready (the others: `decide`)."""
+    """What would decide: of what can be run the first, its words beside its command (the others: `decide`);
+    in words alone where nothing can be run. `advice`: what such causes are told apart by in general."""
     if finding.separate_by is None:
         return None
-    ready = next((_decision(one) for one in finding.decide if one.command), {})
-    numbers = ("kind", "command", "poses", "lambda_before", "lambda_after")
-    return {"words": finding.separate_by, **{name: ready.get(name) for name in numbers}}
+    said = {"kind": None, "words": finding.separate_by, "command": None, "poses": None}
+    said |= {"lambda_before": None, "lambda_after": None}
+    ready = next((_decision(one) for one in finding.decide if one.command), said)
+    return {**ready, "advice": finding.separate_by}
 
 
 def _decision(one: Decision) -> dict[str, Any]:

@@ -14,12 +14,13 @@ from typing import Any
 
 from scipy.stats import maxwell
 
-from ..diagnosis.result import NAMELESS, Decision, Diagnosis, FaultFound, Finding, GivenFact
+from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound, Finding, GivenFact
 from ..diagnosis.telling.headline import STEPS, listed, words_of
 from ..effects.base import UNKNOWN
 from ..effects.place import Parameter
 from . import figures
 from .dataset import SUPPORT, facts
+from .deciding import to_decide, ways
 from .drawing import Figure
 from .equation import typeset
 from .legible import legible
@@ -33,7 +34,6 @@ from .numbers import (
     p_value,
     probability,
     quantity,
-    significant,
     words,
 )
 from .reliability import published
@@ -74,8 +74,9 @@ UNIDENTIFIABLE = (
 )
 GEOMETRY = (
     "Corrections of the joints' frames to the model: tx, ty, tz shifts, rx, ry, rz turns; z is the axis of "
-    f"motion. Intervals: {SUPPORT}. Where one is wide, other rows move the points alike: what they make "
-    "together is known, each by itself is not."
+    "motion. The {rows} rows are {parameters} independent parameters. Intervals: {support}. "
+    "Where one is wide, other rows move the points alike: what they make together is known, each by itself "
+    "is not."
 )
 IN_TILES = re.compile(r"Held-out error [^()]*?\.(?=\s|$)")  # of the headline: tiles and stages say it
 OUTSIDE = "something that no cause of the catalogue explains"
@@ -114,7 +115,9 @@ def content(diagnosis: Diagnosis) -> Content:
         "worst": worst_poses(diagnosis),
         "worst_head": worst_head(diagnosis),
         "worst_said": worst_said(diagnosis),
-        "geometry_said": GEOMETRY,
+        "geometry_said": GEOMETRY.format(
+            rows=len(diagnosis.geometry), parameters=_independent(diagnosis), support=SUPPORT
+        ),
         "facts": [[name, value] for name, value in facts(diagnosis)],
         "notes": list(diagnosis.notes),
         "given": [_given(fact) for fact in diagnosis.given],
@@ -304,7 +307,7 @@ def _cause(finding: Finding, number: int) -> Content:
         "rivals": _rivals(finding),
         "rivals_said": "May be" if unknown else "Fits as well",
         "separate_by": finding.separate_by or "",
-        "decide": [[decision(one), one.command or ""] for one in to_decide(finding)],
+        "decide": ways(finding),
         "figure": f"evidence{number}" if finding.evidence is not None and len(finding.evidence.x) else "",
     }
 
@@ -312,19 +315,6 @@ def _cause(finding: Finding, number: int) -> Content:
 def status(finding: Finding) -> str:
     """How a finding stands, in a word."""
     return "unexplained" if finding.cause == UNKNOWN else finding.status
-
-
-def to_decide(finding: Finding) -> list[Decision]:
-    """What would decide, beyond what the advice says in the same words."""
-    return [one for one in finding.decide if one.command or decision(one) not in (finding.separate_by or "")]
-
-
-def decision(one: Decision) -> str:
-    """What would decide, with λ before and after."""
-    if one.lambda_after is None:
-        return one.words
-    before, after = (significant(float(f"{value:.2g}"), 2) for value in (one.lambda_before, one.lambda_after))
-    return f"{one.words} (λ {before} → {after})"
 
 
 def _rivals(finding: Finding) -> list[str]:
@@ -350,6 +340,11 @@ def _parameter(parameter: Parameter) -> dict[str, str]:
         "interval": shown.interval or MISSING,
         "meaning": parameter.meaning,
     }
+
+
+def _independent(diagnosis: Diagnosis) -> int:
+    """How many numbers the stage of geometry has beside frame and targets."""
+    return diagnosis.stages[1].parameters if len(diagnosis.stages) > 1 else len(diagnosis.geometry)
 
 
 def _geometry(parameter: Parameter) -> list[str]:

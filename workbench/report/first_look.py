@@ -68,15 +68,16 @@ def check_robot(robot: Robot, notes: Sequence[str]) -> Checked:
 
 def check_campaign(look: FirstLook) -> Checked:
     """A campaign with its robot, its points registered."""
-    campaign, mm = look.campaign, 1e3 * look.distance
+    campaign, mm, usual = look.campaign, 1e3 * look.distance, 1e3 * look.usual
     bad = np.flatnonzero(look.suspicious)
     bad = bad[np.argsort(-mm[bad])]
     listed = _listed(look, bad)
     targets = ", ".join(target.name for target in campaign.targets)
     calibrated = "no calibration mends that" if look.wrong else "calibration takes most of that"
+    calibrated += " but for the suspicious ones" * (bool(listed) and not look.wrong)
     read = [
         f"{len(campaign.poses)} poses, {len(mm)} points of {targets}",
-        f"after registration the points are {np.median(mm):.2f} mm (median), at most {mm.max():.1f} mm, from "
+        f"after registration the points are {usual:.2f} mm (median), at most {mm.max():.1f} mm, from "
         f"where the URDF has them; {calibrated}",
         f"instrument: {_noise(look)}",
     ]
@@ -95,7 +96,7 @@ def check_campaign(look: FirstLook) -> Checked:
         "robot": campaign.robot.name,
         "n_poses": len(campaign.poses),
         "n_points": len(mm),
-        "median_mm": float(np.median(mm)),
+        "median_mm": usual,
         "max_mm": float(mm.max()),
         "suspicious": [{"point": look.names[i], "off_mm": float(mm[i])} for i in bad],
         "warnings": [*look.remarks, *campaign.warnings],
@@ -104,7 +105,7 @@ def check_campaign(look: FirstLook) -> Checked:
         "inputs": dict(campaign.files),
     }
     judged = "not of this robot in these poses" if look.wrong else f"{len(bad)} suspicious"
-    headline = f"{len(mm)} points, {np.median(mm):.2f} mm from the nominal robot, {judged}"
+    headline = f"{len(mm)} points, {usual:.2f} mm from the nominal robot, {judged}"
     shown = Shown(
         look.q,
         look.points,
@@ -124,7 +125,8 @@ def _listed(look: FirstLook, bad: NDArray[np.int64]) -> list[str]:
         if len(own) > max(MOSTLY * all_of_it, 1):
             said.append(
                 f"{target.name}: {len(own)} of its {all_of_it} points, {mm[own].min():.1f} to "
-                f"{mm[own].max():.1f} mm off; are its x, y, z those of a target there? else leave it out"
+                f"{mm[own].max():.1f} mm off; are its x, y, z those of a target there? else mend its "
+                "columns, or leave it out"
             )
             bad = bad[look.target[bad] != i]
     said += [f"pose {look.names[i]}: {mm[i]:.1f} mm off" for i in bad[:LISTED]]

@@ -7,10 +7,11 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound
+from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound, Finding
 from ..effects.base import UNKNOWN
-from .content import decision, next_step, place, place_of, status, to_decide
+from .content import next_step, place, place_of, status
 from .dataset import SOURCES
+from .deciding import LONG, decision, to_decide
 from .numbers import bound, mm
 
 FAULTS = 10  # lines of faults; the rest is counted
@@ -54,6 +55,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     lines = [
         f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
         f"noise {mm(noise.sigma_mm)} mm per axis{shared} ({SOURCES[noise.source]})",
+        *_far_too_much(diagnosis),
         *[f"model: {said}" for key, said in diagnosis.facts.items() if key == "Model"],
         "",
         diagnosis.headline,
@@ -77,7 +79,8 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         where = place_of(finding)
         name = f"{finding.cause} ({where})" if where else finding.cause
         name = "structure" if finding.cause == UNKNOWN else name
-        lines += ["", f"  {status(finding).upper():<11} {name}   gain {finding.gain_mm * 1e3:.1f} µm"]
+        gain = f"   gain {finding.gain_mm * 1e3:.1f} µm" if finding.gain_mm > 0 else ""
+        lines += ["", f"  {status(finding).upper():<11} {name}{gain}"]
         lines += [f"{INDENT}{sentence}"] if sentence else []
         if known := [rival for rival in finding.rivals if rival.cause != UNKNOWN]:  # its sentence says others
             said = [(rival.cause, place(rival.where)) for rival in known]
@@ -86,9 +89,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             lines.append(f"{INDENT}{word}: {rivals}")
         if finding.separate_by:
             lines.append(f"{INDENT}to decide: {finding.separate_by}")
-        for one in to_decide(finding):
-            lines.append(f"{INDENT}- {decision(one)}")
-            lines += [f"{INDENT}  {one.command}"] if one.command else []
+        lines += _ways(finding, diagnosis, folder)
     lines += [f"  {fact.sentence}" for fact in diagnosis.given]
     lines += [f"  {line}" for line in fault_lines(diagnosis.faults, "data fault")]
     causes = sorted({item.cause for item in diagnosis.not_testable if not item.where.keys()})
@@ -103,6 +104,44 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             f"  page: {folder}/index.html   report: {folder}/report.pdf   model: {folder}/model.toml",
         ]
     return "\n".join(lines)
+
+
+def _ways(finding: Finding, diagnosis: Diagnosis, folder: Path | None) -> list[str]:
+    """What would decide, with the first command; where the others are."""
+    lines, commands = [], 0
+    for one in to_decide(finding):
+        lines.append(f"{INDENT}- {decision(one)}")
+        commands += bool(one.command)
+        if one.command and (commands == 1 or folder is None):
+            lines.append(f"{INDENT}  {_by_result(one.command, diagnosis, folder)}")
+    if commands > 1 and folder is not None:
+        more = "the command of the other" if commands == 2 else f"the commands of {commands - 1} others"
+        lines.append(f"{INDENT}  ({more}: on the page, and in {folder}/result.json)")
+    return lines
+
+
+def _by_result(command: str, diagnosis: Diagnosis, folder: Path | None) -> str:
+    """A command; one that says many numbers takes them from the result instead, and all that is open."""
+    parts = shlex.split(command)
+    if len(command) <= LONG or folder is None or "--tell" not in parts:
+        return command
+    parts[parts.index("--tell") + 1] = f"{folder}/result.json"
+    if sum(one.status == "ambiguous" and one.cause != UNKNOWN for one in diagnosis.causes) > 1:
+        at = parts.index("--poses")
+        del parts[at : at + 2]
+    return shlex.join(parts)
+
+
+def _far_too_much(diagnosis: Diagnosis) -> list[str]:
+    """That far more noise was stated than there is."""
+    noise = diagnosis.noise
+    if noise.left_mm is None:
+        return []
+    return [
+        f"  the fit leaves {mm(noise.left_mm)} mm per axis, far less than that noise: is it in mm? Nothing "
+        "smaller is looked for. State",
+        "  the instrument's own noise, or take it out of the campaign",
+    ]
 
 
 def _each_campaign(diagnosis: Diagnosis) -> list[str]:

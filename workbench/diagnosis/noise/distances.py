@@ -9,10 +9,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtr, chdtri
+from scipy.stats import maxwell
 
 from ...campaign.problem import Problem
 from ...effects.unnamed.instrument import may_be_head
-from ...identification.noise import Covariance
+from ...identification.noise import Covariance, stated_noise
 from ...robot.kinematics import Array
 
 FEWEST = 8  # poses that see the same targets, from which their usual distances are known
@@ -20,6 +21,7 @@ SURE = 3.72  # standard deviations: one chance in ten thousand
 SHOWN = 0.03  # of the best shown: a combination of distances that noise moves less, as of targets in a plane
 WILD = 1e-3  # chance from which a pose's distances are no noise
 CAUCHY = 3.5  # usual distances off: 95 % as good as least squares where there is noise alone
+MANY = 3.0  # times what there is: no noise is stated so much too large by caution
 ROUNDS = 5  # of a fit that wild distances do not pull at
 
 
@@ -107,3 +109,24 @@ def _without_ranges(off: Array, points: Array, pairs: NDArray[np.int64], way: Ar
         found = np.linalg.lstsq(weight[:, None] * A, weight * y)[0]
         left = y - A @ found
     return np.asarray(left.reshape(off.shape))
+
+
+def far_too_much(problem: Problem, error: Array) -> list[str]:
+    """A remark, before any fit, where far more noise is stated than can be: more than the distances between
+    targets scatter by, or than the nominal robot errs by. error: (M, 3) [m] of the nominal robot."""
+    said = stated_noise(problem)
+    if said is None or len(error) < FEWEST:
+        return []
+    shown = shown_by_distances(problem, said)
+    nominal = float(np.median(np.linalg.norm(error, axis=1)) / maxwell.median())
+    ways = [(nominal, "the nominal robot errs by, uncalibrated,")]
+    ways += [] if shown is None else [(shown.times * said.usual, "the distances between targets scatter by")]
+    scatter, words = min(ways)
+    times = said.usual / scatter
+    if times < MANY:
+        return []
+    return [
+        f"The stated noise of {1e3 * said.usual:.3g} mm per axis is {times:.0f} times what {words} "
+        f"({1e3 * scatter:.2g} mm): is it in mm? Nothing smaller is looked for; state the instrument's own "
+        "noise, or take it out."
+    ]

@@ -19,7 +19,7 @@ from ...robot.kinematics import Array
 from ..data_faults.rounded_joints import rounded_joints
 from ..prepared import Prepared
 from ..priors import PRIORS
-from ..result import Diagnosis, Finding, GivenFact, NotTestable, Stage
+from ..result import Detectable, Diagnosis, Finding, GivenFact, NotTestable, Stage
 from ..search.competition import SHOWS, Selection
 from ..search.stages import geometry_alone, pose_errors, rms_mm, stages_of
 from ..weighing.components import bare, with_companions
@@ -27,7 +27,7 @@ from ..weighing.remainder import Remainder, beyond_forms, remainder, repeatabili
 from .ceiling import ceiling_mm
 from .evidence import evidence
 from .facts import facts, geometry, of_campaigns, unidentifiable
-from .headline import Errors, headline, in_order, remarks, shows_in, steps, verdict_of
+from .headline import Errors, headline, in_order, remarks, shows_in, steps, verdict_of, with_left
 from .in_the_model import InModel, beside_the_model, has
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
@@ -70,6 +70,7 @@ def assemble(parts: Parts) -> Diagnosis:
     findings = _beside_what_is_found([*named, *nameless])
     faults = in_order(prepared.faults, c.poses.ids)
     moved, in_what = steps(faults), shows_in(prepared, left, errors.noise)
+    untested = _swallowed(parts, named)
     line = headline(verdict, findings, errors, parts.given, repeats_to, in_what, bool(moved))
     return Diagnosis(
         robot=problem.robot.name,
@@ -77,7 +78,7 @@ def assemble(parts: Parts) -> Diagnosis:
         campaign=c.title,
         n_poses=len(c.poses),
         n_points=int(problem.seen.sum()),
-        noise=prepared.noise,
+        noise=with_left(prepared.noise, left),
         stages=tuple(stages),
         verdict=verdict,
         headline=line + moved,
@@ -86,8 +87,8 @@ def assemble(parts: Parts) -> Diagnosis:
         remainder_chi2=left.chi2,
         remainder_dof=left.dof,
         remainder_p=left.p,
-        not_testable=(*parts.not_testable, *_swallowed(parts, named)),
-        detectable=tuple(detectable(parts.candidates, final, prepared.noise_known)),
+        not_testable=(*parts.not_testable, *untested),
+        detectable=tuple(_that_would_show(parts, untested)),
         faults=faults + rounded,
         too_few=verdict == "nothing_missing" and errors.too_few,
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
@@ -147,6 +148,14 @@ def _swallowed(parts: Parts, named: Sequence[Finding]) -> list[NotTestable]:
     told = {(f.cause, f.where.any_order) for f in named}
     told |= {(rival.cause, rival.where.any_order) for f in named for rival in f.rivals}
     return swallowed(parts.candidates, parts.prepared.geometry, parts.selection.fit, told)
+
+
+def _that_would_show(parts: Parts, untested: Sequence[NotTestable]) -> list[Detectable]:
+    """Sizes that would have shown, without those of what was not tested: what the fit came to may show a
+    little of what geometry took up before."""
+    out = {(item.cause, item.where.any_order) for item in untested}
+    sizes = detectable(parts.candidates, parts.selection.fit, parts.prepared.noise_known)
+    return [item for item in sizes if (item.cause, item.where.any_order) not in out]
 
 
 def _unweighed(problem: Problem) -> list[str]:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ...effects import called
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
 from ..prepared import Prepared
 from ..priors import PRIORS
-from ..result import FaultFound, Finding, GivenFact, Rival, Stage, Verdict
+from ..result import FaultFound, Finding, GivenFact, Noise, Rival, Stage, Verdict
+from ..search.worth import FAINT
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder
 
 MOST_SAID = 3  # causes that a headline says
@@ -18,6 +21,9 @@ MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many
 # faults that a headline says
 STEPS = ("moved_instrument", "changed_setup", "moved_zero", "changed_load", "changed_scale")
 MORE = 1.1  # times the held-out error: what a model without what does not last has to leave to be told
+OVERSTATED = 2.0  # times what the fit leaves, from which a stated noise is doubted beside its number
+SMALL_MM = 0.01  # below it a headline has micrometres
+LITTLE = "which brings less than a tenth of the noise"
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
 
@@ -80,7 +86,7 @@ def headline(
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. repeatability_mm: of the robot,
     where that is all that is left; in_what: as `shows_in` says it; besides: `steps` says something too."""
-    said = _found(findings, given)
+    said = _found(findings, given, FAINT * errors.noise / np.sqrt(3))
     nothing = verdict == "nothing_missing"
     after = (errors.base if nothing else errors.stages[-1]).heldout_rms_mm
     gain = _gain(errors, after)
@@ -96,7 +102,8 @@ def headline(
     if few and errors.base.heldout_rms_mm > errors.stages[0].heldout_rms_mm:
         said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"
     best = max(errors.base.heldout_rms_mm - errors.ceiling, 0.0)
-    gain += f"; the causes bring {errors.brought:.3f} of the {best:.3f} mm that all smooth terms tried bring."
+    brought = _of(errors.brought, best)
+    gain += f"; the causes bring {brought} that all smooth terms tried bring."
     if verdict != "unknown":
         return f"{said}. {gain}"
     left = _left(findings)
@@ -104,21 +111,35 @@ def headline(
     return f"{first}{f'; {then[0].lower()}{then[1:]}' if then else ''}. {gain}"
 
 
-def _found(findings: Sequence[Finding], given: Sequence[GivenFact]) -> str:
-    """Causes that were found, that are gone, that are open, and given ones that the data confirm."""
+def _found(findings: Sequence[Finding], given: Sequence[GivenFact], least_mm: float) -> str:
+    """Causes that were found, that are gone, that are open, and given ones that the data confirm. What is
+    open and brings less than the least is not said by name where something else is."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = by_cause([f for f in causes if f.status == "named" and not f.taken_back])
     parts = [f"Found: {_some(sure)}"] if sure else []
     gone = by_cause([f for f in causes if f.status == "named" and f.taken_back])
     if gone:
         parts.append(f"{'no' if sure else 'No'} longer as the model has it: {_some(gone)}")
-    open_ = list(dict.fromkeys(_either(f) for f in causes if f.status != "named"))  # two may be each other's
+    undecided = [f for f in causes if f.status != "named"]
+    worth = [f for f in undecided if f.gain_mm >= least_mm]
+    more = worth or ([] if parts else undecided)
+    open_ = list(dict.fromkeys(_either(f) for f in more))  # two may be each other's
     if open_:
-        parts.append(f"{'not decided' if parts else 'Not decided'}: {_some(open_, ', and ')}")
+        faint = "" if worth else f", {LITTLE}"
+        parts.append(f"{'not decided' if parts else 'Not decided'}: {_some(open_, ', and ')}{faint}")
+    elif undecided:
+        parts.append(f"what is not decided {LITTLE.removeprefix('which ')}")
     confirmed = [fact.differs for fact in given if fact.differs]
     if confirmed:
         parts.append(f"{'given' if parts else 'Given'} and confirmed: {_some(confirmed)}")
     return "; ".join(parts)
+
+
+def _of(part: float, whole: float) -> str:
+    """A length of another [mm]; in µm where these are small."""
+    if whole < SMALL_MM:
+        return f"{1e3 * part:.1f} of the {1e3 * whole:.1f} µm"
+    return f"{part:.3f} of the {whole:.3f} mm"
 
 
 def _gain(errors: Errors, after: float) -> str:
@@ -187,6 +208,12 @@ def in_order(faults: Sequence[FaultFound], pose_ids: Sequence[str]) -> tuple[Fau
     stepping = [fault for fault in faults if fault.kind in STEPS]
     ordered = iter(sorted(stepping, key=lambda fault: at.get(fault.pose_id or "", -1)))
     return tuple(next(ordered) if fault.kind in STEPS else fault for fault in faults)
+
+
+def with_left(noise: Noise, left: Remainder) -> Noise:
+    """The noise with what the fit leaves, where far more was stated."""
+    far = left.overstated and left.inflation < 1 / OVERSTATED
+    return replace(noise, left_mm=noise.sigma_mm * left.inflation) if far else noise
 
 
 def _times(ratio: float) -> str:

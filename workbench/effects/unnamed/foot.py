@@ -1,4 +1,4 @@
-"""A base that tips to one side and not to the other, as on a short foot or where a shim is missing."""
+"""A base that tips to one side and not to the other, as on a foot that lifts: short, or without its shim."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from .loads import LEAST, Uneven
 
 WAYS = 16  # directions of the axis about which it tips
 LIFTS = (-0.3, 0.0, 0.3)  # moments at which a foot lifts, or is on the ground again, over the largest
+AS = "as on a foot that lifts"
 LEVER = 0.3  # m: how far the feet are from the base's origin
 
 
@@ -28,7 +29,7 @@ class Foot(Uneven):
     axis: float = 0.0
 
     settings: ClassVar[tuple[str, ...]] = (*Uneven.settings, "axis")
-    like: ClassVar[str] = "a base that tips, as on a short foot"
+    like: ClassVar[str] = f"a base that tips, {AS}"
 
     @property
     def functions(self) -> int:
@@ -37,7 +38,7 @@ class Foot(Uneven):
     @property
     def variable(self) -> str:
         side = round(np.degrees(self.axis))
-        about = f"about the axis at {side}° to its x, as on a foot that lifts"
+        about = f"about the axis at {side}° to its x, {AS}"
         return f"overturning moment (the base tips {about})"
 
     def moment(self, problem: Problem) -> Array:

@@ -23,7 +23,7 @@ from .exchanged import exchanged_names
 from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses, placed_elsewhere
 from .in_part import Part, in_part, not_fitting
 from .inaccurate import FARTHEST_TURN, inaccurate
-from .misfit import USUAL, Misfit, Sample, misfit, sample
+from .misfit import BOUND, USUAL, Misfit, Sample, misfit, sample
 from .turned_otherwise import turned_otherwise
 
 FEWEST = 8  # poses: with fewer, frame and targets explain too much for a judgement
@@ -49,7 +49,8 @@ class Plausible:
     """misfit: of the robot as it is; mistakes: one or two at once that explain it, the likeliest first, each
     with what it leaves; scale: without these, how much larger the points are than the robot; zero: without
     these, a joint and how far its zero is off [rad], where that alone explains it; geometry: without these,
-    how far the geometry is off, where that explains it; part: the poses that alone do not fit, if not all."""
+    how far the geometry is off, where that explains it; part: the poses that alone do not fit, if not all;
+    strays: targets without which the others fit, where no majority of the points tells which are wild."""
 
     misfit: Misfit
     mistakes: tuple[tuple[Mistake, float], ...] = ()
@@ -57,6 +58,7 @@ class Plausible:
     zero: tuple[str, float] | None = None
     geometry: str | None = None
     part: str | None = None
+    strays: tuple[int, ...] = ()
 
     @property
     def refused(self) -> bool:
@@ -64,7 +66,7 @@ class Plausible:
         m = self.misfit
         off = m.middle > REFUSED and m.middle * m.spread > SMALL
         fitted = self.zero is not None or self.geometry is not None
-        return bool(self.mistakes) or (off and not fitted) or self.scale != 1.0
+        return bool(self.mistakes) or bool(self.strays) or (off and not fitted) or self.scale != 1.0
 
 
 def believed(problem: Problem) -> tuple[Problem, list[str]]:
@@ -101,6 +103,8 @@ def _placed(problem: Problem) -> tuple[Problem, list[str]]:
     if not found.refused:
         far = f"Targets are found up to {_length(m.displaced * m.spread + USUAL)} from where the campaign "
         return problem, [far + "states them: the measured places are used."] if m.displaced else []
+    if found.strays:
+        raise InputError(Fault(f"{campaign.path}: points", *_stray(problem, found)))
     share = f"{short(100 * m.middle)} % of their spread"
     size = f"the points are {_length(m.middle * m.spread)} off the robot ({share})"
     if m.share <= SUSPECT:
@@ -134,7 +138,10 @@ def judge(problem: Problem) -> Plausible:
     if now.total > SUSPECT:
         now = min(now, misfit(data, turns=True), key=lambda one: one.total)
     if now.total > SUSPECT:
-        now = _without_a_bad_target(data, now)
+        without = _without_a_bad_target(data, now)
+        if without and now.middle > BOUND:
+            return Plausible(now, strays=tuple(without))
+        now = next(iter(without.values()), now)
     if now.total <= SUSPECT:
         return Plausible(now)
     every, enough = list(hypotheses(problem)), min(CLEARER * now.total, RIGHT)
@@ -256,15 +263,31 @@ def _two_at_once(data: Sample, every: list[Hypothesis], enough: float) -> list[t
     return both
 
 
-def _without_a_bad_target(data: Sample, now: Misfit) -> Misfit:
-    """The others' misfit where one target's points are of another world: wild points, not a wrong robot."""
+def _without_a_bad_target(data: Sample, now: Misfit) -> dict[int, Misfit]:
+    """Targets of which one's points are of another world, with the misfit of the others: these are wild
+    points, not a wrong robot. Several, where it may be any of them."""
+    found = {}
     for i in range(len(data.on)) if len(data.on) > 1 and now.middle > SUSPECT / 10 else ():
         kept = [j for j in range(len(data.on)) if j != i]
         on = tuple(data.on[j] for j in kept)
         rest = misfit(data.changed(points=data.points[:, kept], stated=data.stated[kept], on=on))
         if rest.total < min(CLEARER * now.total, SUSPECT):
-            return rest
-    return now
+            found[data.targets[i]] = rest
+    return found
+
+
+def _stray(problem: Problem, found: Plausible) -> tuple[str, str]:
+    """What is wrong and how to mend it where the points of one target are not those of the robot's."""
+    first, *more = [problem.campaign.targets[i].name for i in found.strays]
+    off = _length(found.misfit.middle * found.misfit.spread)
+    if more:
+        what = f"the points of {' and '.join([first, *more])} fit the robot, but not together ({off})"
+        return what, "are they in one frame? mend the columns of one, or leave it out"
+    what = f"the points of {first} do not fit the robot that the others fit ({off})"
+    return (
+        what,
+        f"are its x, y, z those of a target, in the instrument's frame? mend them, or leave {first} out",
+    )
 
 
 def _nothing_fits(problem: Problem, size: str, found: Plausible) -> tuple[str, str]:

@@ -23,7 +23,9 @@ def enough_poses(problem: Problem) -> list[str]:
         return []
     wanted = math.ceil(ROOM * geometry / hand)
     name = problem.robot.name
-    said = f"{poses} different poses give {measured} numbers, the geometry of {name} has {geometry}"
+    said = (
+        f"{poses} different poses give {measured} numbers, geometry, base and tool of {name} have {geometry}"
+    )
     if measured < geometry:
         mend = f"measure {wanted} poses or more: workbench plan {name} --poses {wanted}"
         raise InputError(Fault(str(problem.campaign.path), f"{said}: they do not identify it", mend))

@@ -14,6 +14,7 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome
+from ...diagnosis.telling.headline import words_of
 from ...effects import separation_beside
 from ...effects.base import Effect
 from ...effects.given import given_facts
@@ -158,7 +159,7 @@ def _said_at_once(poses: Poses, ties: Sequence[Tie], offers: Offers) -> dict[Tie
         words = f"record the torques of the drives (columns {columns}) at {words}"
     out = {}
     for tie in ties:
-        others = " and ".join(dict.fromkeys(one.effect.label for one in ties if one is not tie))
+        others = " and ".join(dict.fromkeys(_said(one.effect) for one in ties if one is not tie))
         now, said = least(offers.space, offers.space.before, tie), f"{words}, chosen for it and for {others}"
         out[tie] = Decision(
             "drive_torque" if torque else "poses", said, command, poses.count, now, poses.after(tie)
@@ -180,12 +181,12 @@ def _told_by_torque(offers: Offers, tie: Tie, columns: str) -> list[str]:
     keys = dict.fromkeys(rival.key for rival in tie.rivals)
     for beside in map(tie.beside, keys):
         if (found := _settled_by_torque(offers, beside)) is not None:
-            told[beside.rivals[0].label] = found[0]
+            told[_said(beside.rivals[0])] = found[0]
     if not told:
         return []
     words = f"record the torques of the drives (columns {columns}) at {max(told.values())} more poses"
     rest = "" if len(told) == len(keys) else ", but not from the other rivals"
-    return [f"{words}: they tell {tie.effect.label} from {', '.join(told)}{rest}"]
+    return [f"{words}: they tell {_said(tie.effect)} from {', '.join(told)}{rest}"]
 
 
 def _wholes(space: DesignSpace, tie: Tie) -> list[Effect]:
@@ -198,11 +199,11 @@ def _whole(tie: Tie, rival: Effect) -> str:
     """Why no few poses settle a cause beside a rival that contains it."""
     if rival.free:
         return (
-            f"{tie.effect.label} is a case of {rival.label}: no pose tells them apart, only that nothing "
+            f"{_said(tie.effect)} is a case of {_said(rival)}: no pose tells them apart, only that nothing "
             f"else shows at many more angles of {rival.where}; {MOST_MEASURED} poses are too few"
         )
     return (
-        f"all that {tie.effect.label} does to the tool {rival.label} does as well, with other numbers: "
+        f"{_said(rival)} can do to the tool all that {_said(tie.effect)} does, with other numbers: "
         f"{MOST_MEASURED} poses are too few"
     )
 
@@ -224,12 +225,17 @@ def _readings(problem: Problem, tie: Tie, offers: Offers, now: float) -> list[De
             where = f" of {effect.where}" if str(effect.where) else ""
             exactly = f"{std:,.10g}".replace(",", "\N{NO-BREAK SPACE}")
             words = f"read {name}{where} to ± {exactly} {unit}".removesuffix(" 1")
-            words += "" if only or effect is tie.effect else f": whether it is {effect.label}"
+            words += "" if only or effect is tie.effect else f": whether it is {_said(effect)}"
             place = _text(effect, _form_said(effect, problem))
             fact = f"{place}{',' if ':' in place else ':'}{name}=VALUE,std={std:.10g}"
             command = f"workbench diagnose {problem.campaign.arguments} --known {quote(fact)}"
             found.setdefault(effect.label, Decision("reading", words, command, None, now, after))
     return list(found.values())[:MOST]
+
+
+def _said(effect: Effect) -> str:
+    """A cause and where it sits, as people say them."""
+    return words_of(effect.cause, effect.where)
 
 
 def _form_said(effect: Effect, problem: Problem) -> dict[str, str]:

@@ -131,7 +131,7 @@ def notes(content: Content) -> list[str]:
         "hayati: Rz(theta + q) Tz(d) Tx(a) Rx(alpha) Ry(beta), exact; standard: the same without beta;",
         "modified: Tx(a_before) Rx(alpha_before) Rz(theta + q) Tz(d), then the last a and alpha of standard;",
         "frames: base to frame 0, last frame to flange; Rz(yaw) Ry(pitch) Rx(roll); a sliding q adds to d",
-        f"standard and modified lose beta: {far.mean():.4f} mm on average, {far.max():.4f} mm at most",
+        f"standard and modified lose beta: {far.mean():.3f} mm on average, {far.max():.3f} mm at most",
     ]
 
 

@@ -139,5 +139,5 @@ def _far(mean: float | None, most: float | None) -> str:
     said = []
     for value in (mean or 0.0, most or 0.0):
         few = LEAST <= value < 1e-3
-        said.append(f"{1e3 * value:.2g} µm" if few else f"{value:.4f} mm")
+        said.append(f"{1e3 * value:.2g} µm" if few else f"{value:.3f} mm")
     return f"{said[0]} on average, {said[1]} at most"
