@@ -550,6 +550,24 @@ def test_a_headline_says_a_cause_once_with_all_its_places():
     assert said.startswith("Not decided: joint compliance in joint_2 or lost motion in joint_2. Held-out")
 
 
+def test_a_headline_with_much_that_is_open_says_the_first_of_it_and_how_many_more():
+    stages = [
+        Stage(name, 0, rms, rms, rms, rms)
+        for name, rms in (("nominal", 0.7), ("geometry", 0.3), ("all", 0.05))
+    ]
+    open_ = [
+        Finding("joint_compliance", "", Where(joint=f"joint_{n}"), "ambiguous", 0.05 - 0.01 * n, 0.4)
+        for n in range(1, 5)
+    ]
+    errors = Errors(stages, stages[1], 0.05, 0.05, 0.01, 0.01)
+    said = headline("ambiguous", open_, errors)
+    first, second = (f"joint compliance in joint_{n}" for n in (1, 2))
+    assert said.startswith(f"Not decided: {first}, and {second}, and 2 more. Held-out")
+    sure = Finding("drift", "", Where(), "named", 0.004, 1.0)
+    said = headline("ambiguous", [sure, *open_], errors)
+    assert said.startswith(f"Found: drift; not decided: {first}, and 3 more. Held-out")
+
+
 def test_a_headline_does_not_name_what_is_open_and_brings_next_to_nothing():
     """Less than a tenth of the noise per axis (0.03 mm here): it is told under the causes."""
     stages = [

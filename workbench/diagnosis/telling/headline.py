@@ -17,6 +17,7 @@ from ..search.worth import FAINT
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder
 
 MOST_SAID = 3  # causes that a headline says
+MOST_OPEN = 2  # of those that are not decided, each with a rival; one less beside what was found
 MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
 # faults that a headline says
 STEPS = ("moved_instrument", "changed_setup", "moved_zero", "changed_load", "changed_scale")
@@ -126,7 +127,7 @@ def _found(findings: Sequence[Finding], given: Sequence[GivenFact], least_mm: fl
     open_ = list(dict.fromkeys(_either(f) for f in more))  # two may be each other's
     if open_:
         faint = "" if worth else f", {LITTLE}"
-        parts.append(f"{'not decided' if parts else 'Not decided'}: {_some(open_, ', and ')}{faint}")
+        parts.append(f"{'not decided' if parts else 'Not decided'}: {_some(open_, MOST_OPEN - bool(parts), ', and ', ', and ')}{faint}")
     elif undecided:
         parts.append(f"what is not decided {LITTLE.removeprefix('which ')}")
     confirmed = [fact.differs for fact in given if fact.differs]
@@ -248,10 +249,10 @@ def _either(finding: Finding) -> str:
     return " or ".join(words)
 
 
-def _some(words: Sequence[str], between: str = ", ") -> str:
-    if len(words) <= MOST_SAID + 1:
+def _some(words: Sequence[str], most: int = MOST_SAID, between: str = ", ", last: str = " and ") -> str:
+    if len(words) <= most + 1:
         return between.join(words)
-    return f"{between.join(words[:MOST_SAID])} and {len(words) - MOST_SAID} more"
+    return f"{between.join(words[:most])}{last}{len(words) - most} more"
 
 
 def listed(names: Sequence[str]) -> str:
