@@ -127,9 +127,8 @@ def _found(findings: Sequence[Finding], given: Sequence[GivenFact], least_mm: fl
     open_ = list(dict.fromkeys(_either(f) for f in more))  # two may be each other's
     if open_:
         faint = "" if worth else f", {LITTLE}"
-        parts.append(
-            f"{'not decided' if parts else 'Not decided'}: {_some(open_, MOST_OPEN - bool(parts), ', and ', ', and ')}{faint}"
-        )
+        said = _some(open_, MOST_OPEN - bool(parts), between=", and ", last=", and ")
+        parts.append(f"{'not decided' if parts else 'Not decided'}: {said}{faint}")
     elif undecided:
         parts.append(f"what is not decided {LITTLE.removeprefix('which ')}")
     confirmed = [fact.differs for fact in given if fact.differs]
