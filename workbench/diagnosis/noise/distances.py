@@ -9,7 +9,6 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtr, chdtri
-from scipy.stats import maxwell
 
 from ...campaign.problem import Problem
 from ...effects.unnamed.instrument import may_be_head
@@ -118,7 +117,7 @@ def far_too_much(problem: Problem, error: Array) -> list[str]:
     if said is None or len(error) < FEWEST:
         return []
     shown = shown_by_distances(problem, said)
-    nominal = float(np.median(np.linalg.norm(error, axis=1)) / maxwell.median())
+    nominal = float(np.median(np.linalg.norm(error, axis=1)) / np.sqrt(chdtri(3, 0.5)))
     ways = [(nominal, "the nominal robot errs by, uncalibrated,")]
     ways += [] if shown is None else [(shown.times * said.usual, "the distances between targets scatter by")]
     scatter, words = min(ways)
