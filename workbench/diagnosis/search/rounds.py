@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ...campaign.problem import Problem
 from ...effects import line as gear_line
 from ...effects.base import Effect
 from ...effects.unnamed import products, unnamed
@@ -40,6 +41,7 @@ CLEARER = 4.0  # gain in χ² that moves a setting, or pays for a further number
 BETTER = 0.99  # of the held-out error: what counts as an improvement of a round
 LOOSE = 30.0  # usual sizes: a prior that holds nothing
 MOST_SCATTERING = 2  # joints that are looked at for functions of two others
+LIKELIER = 3.0  # log evidence, twenty times: what a search from elsewhere has to find more
 LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 
 
@@ -92,14 +94,26 @@ def converged(
 ) -> Round:
     """The likeliest set (`_converged`); since: what was found already. Under the scatter of a few poses of a
     joint no gear would show that made it: where these scatter, causes alone are tried as well, and the
-    likelier of both is it."""
-    begun = _begun(geometry, candidates, geometry.noise)
+    likelier of both is it. Nor would what wanders in time, which is much of a scatter that is estimated
+    without it: where less is left beyond that, the search begins there as well, and what it finds so is it
+    where that is clearly likelier."""
+    stated = geometry.noise
+    sided = [effect for effect in candidates if effect.uses == {"side"}]
+    begun = _begun(geometry, sided)
     found = _converged(geometry, since or Begun(begun), candidates, noise_dof, noise_known)
-    few = not enough_for_halves(geometry.model.problem)
-    if not few or not noise_known or not beyond_all(begun, geometry.noise).any():
+    if not noise_known:
         return found
-    alone = _converged(geometry, Begun(geometry), candidates, noise_dof, noise_known, scatters=False)
-    return max(found, alone, key=lambda one: one.evidence(geometry.noise))
+    if not enough_for_halves(geometry.model.problem) and beyond_all(begun, stated).any():
+        alone = _converged(geometry, Begun(geometry), candidates, noise_dof, noise_known, scatters=False)
+        found = max(found, alone, key=lambda one: one.evidence(stated))
+    for wandering in _wandering(geometry.model.problem, candidates):
+        less = _begun(geometry, [*sided, wandering])
+        if alike(less.noise, begun.noise):
+            continue
+        other = _converged(geometry, Begun(less), candidates, noise_dof, noise_known)
+        if other.evidence(stated) > found.evidence(stated) + LIKELIER:
+            found = other
+    return found
 
 
 def _converged(
@@ -206,12 +220,21 @@ def _with_more(result: Fit, beside: Sequence[Effect]) -> Fit:
     return refitted(result, [*result.model.effects, *beside])
 
 
-def _begun(geometry: Fit, candidates: Sequence[Effect], base: Covariance) -> Fit:
-    """The fit to begin with, under the scatter that is left of the joints beyond what their sides of approach
-    explain, where these were recorded: a play must not hide in the scatter that it makes."""
-    sided = [effect for effect in candidates if effect.uses == {"side"}]
-    noise = with_scatter(refitted(geometry, sided), base)
-    return geometry if alike(noise, base) else refit(replace(geometry, noise=noise), [], ROUGH)
+def _begun(geometry: Fit, explained: Sequence[Effect]) -> Fit:
+    """The fit to begin with, under the scatter that is left beyond what some effects explain: neither a play
+    nor what wanders in time may hide in the scatter that it makes."""
+    noise = with_scatter(refitted(geometry, explained), geometry.noise)
+    if alike(noise, geometry.noise):
+        return geometry
+    return refit(replace(geometry, noise=noise), [], ROUGH)
+
+
+def _wandering(problem: Problem, candidates: Sequence[Effect]) -> list[Effect]:
+    """Ways in which something wanders in time, with or without a name: those with most numbers, which hold
+    the others nearly."""
+    every = [e for e in (*candidates, *unnamed(problem)) if e.uses == {"time"} and not e.lasting]
+    most = max((len(e.params) for e in every), default=0)
+    return [e for e in every if len(e.params) == most]
 
 
 def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:
