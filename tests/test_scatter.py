@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import diagnosis_cases as cases
 import numpy as np
 import pytest
 
@@ -164,3 +165,21 @@ def test_scatter_that_repeats_do_not_show_is_left():
     noise = SIGMA * np.random.default_rng(7).normal(size=exact.points.shape)
     campaign = replace(exact, points=exact.points + noise, noise_sigma=SIGMA)
     assert [cause.cause for cause in diagnose(campaign).diagnosis.causes] == [UNKNOWN]
+
+
+@pytest.mark.parametrize(("turns", "seed"), [(2.0, 1), (3.0, 0)])
+def test_a_base_that_wanders_does_not_hide_in_the_scatter_that_it_makes(turns, seed):
+    """One target, few poses: beside the scatter that is left without it, it explains next to nothing."""
+    share, rng = np.linspace(0.0, 1.0, 50), np.random.default_rng(seed)
+    phase, way = rng.uniform(0, 6, 3), rng.normal(size=3)
+    wanders = 1e-4 * way / np.linalg.norm(way) * np.sin(2 * np.pi * turns * share[:, None] + phase)
+    campaign = cases.measured(
+        "kr120",
+        loads=(),
+        poses=50,
+        seed=seed,
+        targets=1,
+        time=2205 * share,
+        motion=lambda _: dict(enumerate(wanders.T)),
+    )
+    assert cases.named(diagnose(campaign).diagnosis) == {("drift", ""): "named"}

@@ -95,8 +95,8 @@ def converged(
     """The likeliest set (`_converged`); since: what was found already. Under the scatter of a few poses of a
     joint no gear would show that made it: where these scatter, causes alone are tried as well, and the
     likelier of both is it. Nor would what wanders in time, which is much of a scatter that is estimated
-    without it: where less is left beyond that, the search begins there as well, and what it finds so is it
-    where that is clearly likelier."""
+    without it: where less is left beyond that, the search begins there as well, and what it finds so, in time
+    too, is it where that is clearly likelier."""
     stated = geometry.noise
     sided = [effect for effect in candidates if effect.uses == {"side"}]
     begun = _begun(geometry, sided)
@@ -111,7 +111,8 @@ def converged(
         if alike(less.noise, begun.noise):
             continue
         other = _converged(geometry, Begun(less), candidates, noise_dof, noise_known)
-        if other.evidence(stated) > found.evidence(stated) + LIKELIER:
+        in_time = any("time" in effect.uses for effect in other.found.model.effects)
+        if in_time and other.evidence(stated) > found.evidence(stated) + LIKELIER:
             found = other
     return found
 
