@@ -9,10 +9,12 @@ import pytest
 
 from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
 from workbench.campaign import Target
+from workbench.diagnosis.candidates import testable
 from workbench.diagnosis.noise.scatter import beyond_all, with_scatter
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.result import Stage
 from workbench.diagnosis.telling.headline import Errors, headline
+from workbench.diagnosis.telling.power import visible_mm, wandering_mm
 from workbench.effects.base import UNKNOWN
 from workbench.measurement.sweep import sweep
 
@@ -151,7 +153,18 @@ def test_the_headline_says_how_the_robot_seems_to_repeat():
         "nothing_missing", [], Errors(stages, stages[1], 0.03, 0.03, 0.008, 0.03), repeatability_mm=0.043
     )
     assert said.startswith("Nothing is missing, though the robot seems to repeat to 0.043 mm only: geometry ")
-    assert "an error of 0.008 mm RMS beyond it would have shown" in said
+    assert "an error of 0.008 mm RMS beyond it would have shown. " in said
+
+
+def test_what_wanders_has_to_be_larger_to_show():
+    stages = [Stage("nominal", 0, 1.0, 1.0, 1.0, 1.0), Stage("geometry", 18, 0.03, 0.03, 0.03, 0.03)]
+    errors = Errors(stages, stages[1], 0.03, 0.03, 0.008, 0.03, wandering=0.013)
+    said = "an error of 0.008 mm RMS beyond it would have shown (0.013 mm where it wanders in time). "
+    assert said in headline("nothing_missing", [], errors)
+    prepared = prepare(measured(0))
+    candidates, _ = testable(prepared.problem)
+    usual = visible_mm(prepared.geometry, candidates)
+    assert 1.3 * usual < wandering_mm(prepared.geometry, candidates) < 2 * usual
 
 
 def test_scatter_that_no_robot_makes_is_left():

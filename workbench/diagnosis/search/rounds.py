@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...campaign.problem import Problem
 from ...effects import line as gear_line
 from ...effects.base import Effect
 from ...effects.unnamed import products, unnamed
@@ -15,6 +14,7 @@ from ...effects.unnamed.joints import Product
 from ...identification.fit import ROUGH, Fit, refit
 from ...identification.heldout import heldout
 from ...identification.noise import Covariance, log_precision
+from ..candidates import ways_to_wander
 from ..noise.noise_choice import from_residual
 from ..noise.scatter import CLEAR, alike, beyond_all, with_scatter
 from ..weighing.acts_through import needs_of
@@ -106,7 +106,7 @@ def converged(
     if not enough_for_halves(geometry.model.problem) and beyond_all(begun, stated).any():
         alone = _converged(geometry, Begun(geometry), candidates, noise_dof, noise_known, scatters=False)
         found = max(found, alone, key=lambda one: one.evidence(stated))
-    for wandering in _wandering(geometry.model.problem, candidates):
+    for wandering in ways_to_wander(geometry.model.problem, candidates):
         less = _begun(geometry, [*sided, wandering])
         if alike(less.noise, begun.noise):
             continue
@@ -228,14 +228,6 @@ def _begun(geometry: Fit, explained: Sequence[Effect]) -> Fit:
     if alike(noise, geometry.noise):
         return geometry
     return refit(replace(geometry, noise=noise), [], ROUGH)
-
-
-def _wandering(problem: Problem, candidates: Sequence[Effect]) -> list[Effect]:
-    """Ways in which something wanders in time, with or without a name: those with most numbers, which hold
-    the others nearly."""
-    every = [e for e in (*candidates, *unnamed(problem)) if e.uses == {"time"} and not e.lasting]
-    most = max((len(e.params) for e in every), default=0)
-    return [e for e in every if len(e.params) == most]
 
 
 def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:
