@@ -9,7 +9,7 @@ import pytest
 
 from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
 from workbench.campaign import Target
-from workbench.diagnosis.candidates import testable
+from workbench.diagnosis import candidates
 from workbench.diagnosis.noise.scatter import beyond_all, with_scatter
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.result import Stage
@@ -162,9 +162,9 @@ def test_what_wanders_has_to_be_larger_to_show():
     said = "an error of 0.008 mm RMS beyond it would have shown (0.013 mm where it wanders in time). "
     assert said in headline("nothing_missing", [], errors)
     prepared = prepare(measured(0))
-    candidates, _ = testable(prepared.problem)
-    usual = visible_mm(prepared.geometry, candidates)
-    assert 1.3 * usual < wandering_mm(prepared.geometry, candidates) < 2 * usual
+    causes, _ = candidates.testable(prepared.problem)
+    usual = visible_mm(prepared.geometry, causes)
+    assert 1.3 * usual < wandering_mm(prepared.geometry, causes) < 2 * usual
 
 
 def test_scatter_that_no_robot_makes_is_left():
