@@ -3,15 +3,18 @@
 import re
 from dataclasses import replace
 
+import diagnosis_cases as cases
 import numpy as np
 import pytest
 
 from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
 from workbench.campaign import Target
+from workbench.diagnosis import candidates
 from workbench.diagnosis.noise.scatter import beyond_all, with_scatter
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.result import Stage
 from workbench.diagnosis.telling.headline import Errors, headline
+from workbench.diagnosis.telling.power import visible_mm, wandering_mm
 from workbench.effects.base import UNKNOWN
 from workbench.measurement.sweep import sweep
 
@@ -150,7 +153,18 @@ def test_the_headline_says_how_the_robot_seems_to_repeat():
         "nothing_missing", [], Errors(stages, stages[1], 0.03, 0.03, 0.008, 0.03), repeatability_mm=0.043
     )
     assert said.startswith("Nothing is missing, though the robot seems to repeat to 0.043 mm only: geometry ")
-    assert "an error of 0.008 mm RMS beyond it would have shown" in said
+    assert "an error of 0.008 mm RMS beyond it would have shown. " in said
+
+
+def test_what_wanders_has_to_be_larger_to_show():
+    stages = [Stage("nominal", 0, 1.0, 1.0, 1.0, 1.0), Stage("geometry", 18, 0.03, 0.03, 0.03, 0.03)]
+    errors = Errors(stages, stages[1], 0.03, 0.03, 0.008, 0.03, wandering=0.013)
+    said = "an error of 0.008 mm RMS beyond it would have shown (0.013 mm where it wanders in time). "
+    assert said in headline("nothing_missing", [], errors)
+    prepared = prepare(measured(0))
+    causes, _ = candidates.testable(prepared.problem)
+    usual = visible_mm(prepared.geometry, causes)
+    assert 1.3 * usual < wandering_mm(prepared.geometry, causes) < 2 * usual
 
 
 def test_scatter_that_no_robot_makes_is_left():
@@ -164,3 +178,21 @@ def test_scatter_that_repeats_do_not_show_is_left():
     noise = SIGMA * np.random.default_rng(7).normal(size=exact.points.shape)
     campaign = replace(exact, points=exact.points + noise, noise_sigma=SIGMA)
     assert [cause.cause for cause in diagnose(campaign).diagnosis.causes] == [UNKNOWN]
+
+
+@pytest.mark.parametrize(("turns", "seed"), [(2.0, 1), (3.0, 0)])
+def test_a_base_that_wanders_does_not_hide_in_the_scatter_that_it_makes(turns, seed):
+    """One target, few poses: beside the scatter that is left without it, it explains next to nothing."""
+    share, rng = np.linspace(0.0, 1.0, 50), np.random.default_rng(seed)
+    phase, way = rng.uniform(0, 6, 3), rng.normal(size=3)
+    wanders = 1e-4 * way / np.linalg.norm(way) * np.sin(2 * np.pi * turns * share[:, None] + phase)
+    campaign = cases.measured(
+        "kr120",
+        loads=(),
+        poses=50,
+        seed=seed,
+        targets=1,
+        time=2205 * share,
+        motion=lambda _: dict(enumerate(wanders.T)),
+    )
+    assert cases.named(diagnose(campaign).diagnosis) == {("drift", ""): "named"}

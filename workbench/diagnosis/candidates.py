@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
 from ..effects.place import Where
+from ..effects.unnamed import unnamed
 from .result import NotTestable
 
 AS_ROUNDED = "many poses have one written value of it, so coarse that its rounding may be all that is left"
@@ -26,3 +29,11 @@ def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:
             sites = [site for site in sites if site.where.joint not in problem.rounded]
         candidates += sites
     return candidates, missing
+
+
+def ways_to_wander(problem: Problem, candidates: Sequence[Effect]) -> list[Effect]:
+    """Ways in which something wanders in time, with or without a name: those with most numbers, which hold
+    the others nearly."""
+    every = [e for e in (*candidates, *unnamed(problem)) if e.uses == {"time"} and not e.lasting]
+    most = max((len(e.params) for e in every), default=0)
+    return [e for e in every if len(e.params) == most]

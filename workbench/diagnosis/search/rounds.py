@@ -14,6 +14,7 @@ from ...effects.unnamed.joints import Product
 from ...identification.fit import ROUGH, Fit, refit
 from ...identification.heldout import heldout
 from ...identification.noise import Covariance, log_precision
+from ..candidates import ways_to_wander
 from ..noise.noise_choice import from_residual
 from ..noise.scatter import CLEAR, alike, beyond_all, with_scatter
 from ..weighing.acts_through import needs_of
@@ -40,6 +41,7 @@ CLEARER = 4.0  # gain in χ² that moves a setting, or pays for a further number
 BETTER = 0.99  # of the held-out error: what counts as an improvement of a round
 LOOSE = 30.0  # usual sizes: a prior that holds nothing
 MOST_SCATTERING = 2  # joints that are looked at for functions of two others
+LIKELIER = 3.0  # log evidence, twenty times: what a search from elsewhere has to find more
 LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 
 
@@ -92,14 +94,27 @@ def converged(
 ) -> Round:
     """The likeliest set (`_converged`); since: what was found already. Under the scatter of a few poses of a
     joint no gear would show that made it: where these scatter, causes alone are tried as well, and the
-    likelier of both is it."""
-    begun = _begun(geometry, candidates, geometry.noise)
+    likelier of both is it. Nor would what wanders in time, which is much of a scatter that is estimated
+    without it: where less is left beyond that, the search begins there as well, and what it finds so, in time
+    too, is it where that is clearly likelier."""
+    stated = geometry.noise
+    sided = [effect for effect in candidates if effect.uses == {"side"}]
+    begun = _begun(geometry, sided)
     found = _converged(geometry, since or Begun(begun), candidates, noise_dof, noise_known)
-    few = not enough_for_halves(geometry.model.problem)
-    if not few or not noise_known or not beyond_all(begun, geometry.noise).any():
+    if not noise_known:
         return found
-    alone = _converged(geometry, Begun(geometry), candidates, noise_dof, noise_known, scatters=False)
-    return max(found, alone, key=lambda one: one.evidence(geometry.noise))
+    if not enough_for_halves(geometry.model.problem) and beyond_all(begun, stated).any():
+        alone = _converged(geometry, Begun(geometry), candidates, noise_dof, noise_known, scatters=False)
+        found = max(found, alone, key=lambda one: one.evidence(stated))
+    for wandering in ways_to_wander(geometry.model.problem, candidates):
+        less = _begun(geometry, [*sided, wandering])
+        if alike(less.noise, begun.noise):
+            continue
+        other = _converged(geometry, Begun(less), candidates, noise_dof, noise_known)
+        in_time = any("time" in effect.uses for effect in other.found.model.effects)
+        if in_time and other.evidence(stated) > found.evidence(stated) + LIKELIER:
+            found = other
+    return found
 
 
 def _converged(
@@ -206,12 +221,13 @@ def _with_more(result: Fit, beside: Sequence[Effect]) -> Fit:
     return refitted(result, [*result.model.effects, *beside])
 
 
-def _begun(geometry: Fit, candidates: Sequence[Effect], base: Covariance) -> Fit:
-    """The fit to begin with, under the scatter that is left of the joints beyond what their sides of approach
-    explain, where these were recorded: a play must not hide in the scatter that it makes."""
-    sided = [effect for effect in candidates if effect.uses == {"side"}]
-    noise = with_scatter(refitted(geometry, sided), base)
-    return geometry if alike(noise, base) else refit(replace(geometry, noise=noise), [], ROUGH)
+def _begun(geometry: Fit, explained: Sequence[Effect]) -> Fit:
+    """The fit to begin with, under the scatter that is left beyond what some effects explain: neither a play
+    nor what wanders in time may hide in the scatter that it makes."""
+    noise = with_scatter(refitted(geometry, explained), geometry.noise)
+    if alike(noise, geometry.noise):
+        return geometry
+    return refit(replace(geometry, noise=noise), [], ROUGH)
 
 
 def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:

@@ -31,7 +31,7 @@ from .headline import Errors, headline, in_order, remarks, shows_in, steps, verd
 from .in_the_model import InModel, beside_the_model, has
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
-from .power import detectable, swallowed, visible_mm
+from .power import detectable, swallowed, visible_mm, wandering_mm
 from .set_ups_apart import by_comparing, perhaps_changed
 from .standing import standing, why_open
 from .unseen import allowing_for_unseen
@@ -122,6 +122,7 @@ def _errors(parts: Parts, stages: Sequence[Stage], base: Stage) -> Errors:
         with_names=stages[stages.index(base) + len(parts.selection.groups)].heldout_rms_mm,
         ceiling=min(stages[-1].heldout_rms_mm, ceiling_mm(final, parts.candidates)),
         visible=visible_mm(final, parts.candidates),
+        wandering=wandering_mm(final, parts.candidates),
         noise=1e3 * float(np.sqrt(3) * final.usual),
         lasting=0.0 if final.lasting is final else rms_mm(heldout(final.lasting, seed=parts.seed)),
     )

@@ -33,8 +33,9 @@ class Errors:
     """What a verdict weighs, in mm RMS of poses held out. stages: of the diagnosis; base: that before any
     cause, of geometry or of that and of what was given; with_names: with all causes that have names; ceiling:
     what all smooth terms tried reach; visible: size of an error beyond geometry that these data would have
-    shown; noise: length of a point's noise; lasting: of the model without what goes with time, order or the
-    instrument, 0 where it has nothing such."""
+    shown, wandering: the same of one that wanders in time, 0 where none could; noise: length of a point's
+    noise; lasting: of the model without what goes with time, order or the instrument, 0 where it has nothing
+    such."""
 
     stages: Sequence[Stage]
     base: Stage
@@ -43,6 +44,7 @@ class Errors:
     visible: float
     noise: float
     lasting: float = 0.0
+    wandering: float = 0.0
 
     @property
     def brought(self) -> float:
@@ -161,6 +163,8 @@ def _explained(errors: Errors, repeatability_mm: float | None) -> str:
     """Behind "nothing is missing": what explains the data, and what would have shown."""
     explain = "geometry and what was given explain" if errors.with_given else "geometry explains"
     power = f"an error of {_mm(errors.visible)} mm RMS beyond it would have shown"
+    if errors.wandering:
+        power += f" ({_mm(errors.wandering)} mm where it wanders in time)"
     if repeatability_mm is None:
         return f": {explain} these data, and {power}"
     but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"

@@ -13,6 +13,7 @@ from ...effects.base import Effect
 from ...effects.place import Where
 from ...identification.fit import Fit
 from ...robot.kinematics import RZ, Array
+from ..candidates import ways_to_wander
 from ..result import Detectable, NotTestable
 from ..weighing.screen import FAINT, SURVIVES, screen
 
@@ -54,13 +55,20 @@ def detectable(candidates: Sequence[Effect], final: Fit, known: bool) -> Iterato
     yield from best.values()
 
 
-def visible_mm(final: Fit, candidates: Sequence[Effect]) -> float:
-    """RMS length [mm], beyond what geometry can explain, of an effect with two numbers that moves a pose's
-    points together, which would have been found with 80 % power beside the noise and the robot's scatter."""
+def visible_mm(final: Fit, candidates: Sequence[Effect], numbers: int = 2) -> float:
+    """RMS length [mm], beyond what geometry can explain, of an effect with so many numbers that moves a
+    pose's points together, which would have been found with 80 % power beside the noise and the robot's
+    scatter."""
     alpha = FALSE_ALARM / max(len(candidates), 1)
     targets = final.model.problem.seen.shape[1]
     shift = np.matmul(final.whitener[:, :, : 3 * targets], np.tile(np.eye(3), (targets, 1)))
-    return 1e3 * float(np.sqrt(3 * needed(2, alpha) / max(float((shift**2).sum()), 1e-30)))
+    return 1e3 * float(np.sqrt(3 * needed(numbers, alpha) / max(float((shift**2).sum()), 1e-30)))
+
+
+def wandering_mm(final: Fit, candidates: Sequence[Effect]) -> float:
+    """The same [mm] of what wanders in time, which has many numbers; 0 where nothing could show that."""
+    ways = ways_to_wander(final.model.problem, candidates)
+    return visible_mm(final, candidates, len(ways[0].params)) if ways else 0.0
 
 
 def swallowed(

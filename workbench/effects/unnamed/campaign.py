@@ -16,8 +16,8 @@ from ..kinds import DirectEffect
 from ..place import Where
 from .base import Unnamed, each, moving
 
-WAVES_IN_TIME = 6
-VISITS_PER_WAVE = 10  # a joint position that is measured several times on end is one look at time
+WAVES_IN_TIME = 10
+VISITS_PER_WAVE = 5  # a joint position that is measured several times on end is one look at time
 WITH_TIME = 0.8  # correlation from which a joint goes along with time
 
 
@@ -160,8 +160,8 @@ def waves_over(x: Array, highest: float) -> Array:
 
 def weights_of_waves(size: float, highest: float, motions: int) -> tuple[Param, ...]:
     """Weights of such waves, of each motion by itself, together as large as a size [rad, m]; sharp ones are
-    smaller."""
-    slower = np.tile(np.arange(1, int(highest) + 1) ** -1.5, motions)
+    smaller, as those of a random walk."""
+    slower = np.tile(1 / np.arange(1, int(highest) + 1), motions)
     each = size * slower / np.linalg.norm(slower)
     return tuple(Param(f"weight_{k}", "rad", s, spread=s) for k, s in enumerate(map(float, each), 1))
 
