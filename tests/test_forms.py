@@ -124,7 +124,7 @@ def test_a_wheel_that_runs_out_once_and_twice_a_turn_is_one_cause_with_both_numb
         f"{wheel},variant=1,amplitude=3e-4,phase=0.4",
         f"{wheel},variant=2,amplitude=2.1e-4,phase=1.1",
     )
-    result = found(measured("lrmate200id", (once, twice), poses=120))
+    result = found(measured("lrmate200id", (once, twice), poses=160))
     (cause,) = result.causes
     assert (cause.cause, cause.status) == ("gear_eccentricity", "named")
     said = {p.name: p for p in cause.parameters}

@@ -1,6 +1,7 @@
 """What is taken for granted of causes before the data speak."""
 
 from collections import defaultdict
+from itertools import product
 
 import numpy as np
 import pytest
@@ -33,3 +34,13 @@ def test_of_joints_that_no_model_has_as_soft_some_yield_out_of_proportion(name, 
     found = [one for one in components(name, load) if one.key[0] == "lost_motion"]
     expected = PRIORS.cause / len(found) if stated else PRIORS.rarer * PRIORS.unstated
     assert [1 / (1 + np.exp(-one.log_odds)) for one in found] == pytest.approx([expected] * len(found))
+
+
+def test_an_error_of_any_shape_is_likelier_than_one_of_a_shape_of_its_own():
+    found = components("kr500", 200.0)
+    maps, run_outs = ([c for c in found if c.key[0] == one] for one in ("joint_map", "gear_eccentricity"))
+    odds = [
+        np.exp(one.log_odds - other.log_odds) * len(maps) / len(run_outs)
+        for one, other in product(maps, run_outs)
+    ]
+    assert odds == pytest.approx([PRIORS.any_shape] * len(odds), rel=0.02)

@@ -9,7 +9,9 @@ from dataclasses import asdict, dataclass
 
 @dataclass(frozen=True)
 class Priors:
-    """cause: probability that a campaign shows some effect of one cause (shared by its places). line: the
+    """cause: probability that a campaign shows some effect of one cause (shared by its places). any_shape:
+    times that one is likelier which has no shape of its own, as every gear, screw, encoder and bearing errs
+    somehow over its range (of the own errors of joints found on measured robots all were such). line: the
     same of a gear line of unknown order. free: of a function without a name, by what it is a function of.
     unstated: of a yield for which the model has no number, at each place. rarer: weight of a form with what
     only some machines have, over that without it. scales: sizes of an effect in usual sizes, with half-Cauchy
@@ -34,6 +36,7 @@ class Priors:
     bends, the latter is the tilt of the line from its root to its end."""
 
     cause: float = 0.03
+    any_shape: float = 2.0
     line: float = 0.02
     free: float = 0.01
     unstated: float = 0.2

@@ -233,9 +233,9 @@ def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component
 
 
 def log_odds_of(effect: Effect, sites: int) -> float:
-    """log odds before the data of a cause at one of its places. A joint for which the model has no stiffness
-    yields, and some of these out of proportion to their load."""
-    p = PRIORS.cause / sites
+    """log odds before the data of a cause at one of its places: more of one that may have any shape. A joint
+    for which the model has no stiffness yields, and some of these out of proportion to their load."""
+    p = PRIORS.cause * (PRIORS.any_shape if effect.free else 1.0) / sites
     if effect.axial and effect.acts == "yielding" and not effect.stated:
         p = PRIORS.unstated * (1.0 if effect.always else PRIORS.rarer)
     return float(np.log(p / (1 - p)))

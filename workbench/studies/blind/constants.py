@@ -15,6 +15,7 @@ from .score import judged
 
 SIZES = (
     "cause",
+    "any_shape",
     "line",
     "free",
     "largest",
