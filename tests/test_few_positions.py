@@ -71,9 +71,9 @@ def test_functions_of_order_are_no_sharper_than_positions_follow_each_other():
         problem = problem_of(repeated("ur5", positions, times, 1, joints=None))
         return {one.highest for one in unnamed(problem) if type(one) is Clock}
 
-    assert waves(80, 1) == {6}
-    assert waves(24, 4) == {2}
-    assert waves(9, 5) == set()
+    assert waves(80, 1) == {10}
+    assert waves(24, 4) == {4}
+    assert waves(4, 5) == set()
 
 
 def test_free_functions_that_bend_to_one_position_alone_are_left_out(monkeypatch):
