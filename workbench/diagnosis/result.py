@@ -113,6 +113,11 @@ class Finding:
     called: str = ""
 
     @property
+    def ready(self) -> Decision | None:
+        """Of what would decide the first that can be run."""
+        return next((one for one in self.decide if one.command), None)
+
+    @property
     def label(self) -> str:
         """As it stands in a stage's name: `gear_kinematic_error(joint_4)`."""
         where = str(self.where)

@@ -147,7 +147,7 @@ def _separate_by(finding: Finding) -> dict[str, Any] | None:
         return None
     said = {"kind": None, "words": finding.separate_by, "command": None, "poses": None}
     said |= {"lambda_before": None, "lambda_after": None}
-    ready = next((_decision(one) for one in finding.decide if one.command), said)
+    ready = said if finding.ready is None else _decision(finding.ready)
     return {**ready, "advice": finding.separate_by}
 
 

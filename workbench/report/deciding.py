@@ -10,12 +10,11 @@ LONG = 200  # characters of a command, from which it is folded away
 
 def ways(finding: Finding) -> list[tuple[str, str, bool]]:
     """What would decide, its command, and whether that is folded away: all but the first, and a long one."""
-    each = to_decide(finding)
-    first = next((one for one in each if one.command), None)
     found = []
-    for one in each:
+    for one in to_decide(finding):
         command = one.command or ""
-        found.append((decision(one), command, bool(command) and (one is not first or len(command) > LONG)))
+        folded = bool(command) and (one is not finding.ready or len(command) > LONG)
+        found.append((decision(one), command, folded))
     return found
 
 

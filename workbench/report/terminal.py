@@ -108,14 +108,15 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
 
 def _ways(finding: Finding, diagnosis: Diagnosis, folder: Path | None) -> list[str]:
     """What would decide, with the first command; where the others are."""
-    lines, commands = [], 0
+    lines, others = [], 0
     for one in to_decide(finding):
         lines.append(f"{INDENT}- {decision(one)}")
-        commands += bool(one.command)
-        if one.command and (commands == 1 or folder is None):
+        if one.command and (one is finding.ready or folder is None):
             lines.append(f"{INDENT}  {_by_result(one.command, diagnosis, folder)}")
-    if commands > 1 and folder is not None:
-        more = "the command of the other" if commands == 2 else f"the commands of {commands - 1} others"
+        else:
+            others += bool(one.command)
+    if others:
+        more = "the command of the other" if others == 1 else f"the commands of {others} others"
         lines.append(f"{INDENT}  ({more}: on the page, and in {folder}/result.json)")
     return lines
 

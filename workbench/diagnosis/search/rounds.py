@@ -101,7 +101,7 @@ def converged(
     sided = [effect for effect in candidates if effect.uses == {"side"}]
     begun = _begun(geometry, sided)
     found = _converged(geometry, since or Begun(begun), candidates, noise_dof, noise_known)
-    if not noise_known:
+    if not noise_known or begun is geometry:  # nothing scatters that could hide anything
         return found
     if not enough_for_halves(geometry.model.problem) and beyond_all(begun, stated).any():
         alone = _converged(geometry, Begun(geometry), candidates, noise_dof, noise_known, scatters=False)
