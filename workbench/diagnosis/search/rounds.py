@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -71,6 +72,11 @@ class Round:
         cost = self.competition.cost(Chosen(self.competition.reduced, self.members))
         return own + cost - 0.5 * CLEAR * more
 
+    @property
+    def in_time(self) -> bool:
+        """Whether anything of its set goes with time."""
+        return any("time" in effect.uses for effect in self.found.model.effects)
+
     def is_of(self, other: Round) -> bool:
         """Whether it found the same set."""
         return set(self.found.model.effects) == set(other.found.model.effects)
@@ -110,9 +116,11 @@ def converged(
         less = _begun(geometry, [*sided, wandering])
         if alike(less.noise, begun.noise):
             continue
-        other = _converged(geometry, Begun(less), candidates, noise_dof, noise_known)
-        in_time = any("time" in effect.uses for effect in other.found.model.effects)
-        if in_time and other.evidence(stated) > found.evidence(stated) + LIKELIER:
+        search = partial(_converged, geometry, Begun(less), candidates, noise_dof, noise_known)
+        if not search(rounds=1).in_time:  # most of what wanders is seen at once where nothing hides it
+            continue
+        other = search()
+        if other.in_time and other.evidence(stated) > found.evidence(stated) + LIKELIER:
             found = other
     return found
 
@@ -124,6 +132,7 @@ def _converged(
     noise_dof: float,
     noise_known: bool,
     scatters: bool = True,
+    rounds: int = ROUNDS,
 ) -> Round:
     """The likeliest set, found again at its own fit until it stays; of sets that do not stay,
     or predict clearly worse than another did, the one that predicts best what it did not see, its causes by
@@ -140,7 +149,7 @@ def _converged(
     base, whole, errors, before = geometry.noise, at, list[float](), set(at.model.effects)
     stated = base
     best = None
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         lines = _with_lines(whole, lines)
         steps = list(likely_steps(whole.lasting))
         competition = _competition(at, candidates, lines, steps, base, noise_dof)
