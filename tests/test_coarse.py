@@ -35,7 +35,7 @@ def test_an_industrial_arm_is_not_coarse():
     assert prepare(measured("irb120", 3, times=1.0, play=60e-6)).problem.coarse == 1.0
 
 
-@pytest.mark.parametrize(("name", "seed"), [("irb120", 4), ("ur5", 5)])
+@pytest.mark.parametrize(("name", "seed"), [("irb120", 4), pytest.param("ur5", 5, marks=pytest.mark.slow)])
 def test_the_play_of_a_coarse_machine_has_its_name(name, seed):
     outcome = diagnose(measured(name, seed, times=100.0, play=PLAY))
     assert outcome.problem.coarse > 10

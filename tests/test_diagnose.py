@@ -125,7 +125,7 @@ def test_gear_error_with_a_harmonic_that_no_cause_has():
     assert diagnosis.causes[0].where.order == 200
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.slow)])
 def test_gear_error_that_is_stronger_on_one_side_of_the_turn(seed):
     def line(job):
         out, q = np.zeros_like(job.q), job.q[:, 0]
@@ -245,7 +245,12 @@ def product(job):
 
 
 @pytest.mark.parametrize(
-    ("name", "load", "stated"), [("kr500", 250.0, True), ("6R", 60.0, True), ("kr500", 250.0, False)]
+    ("name", "load", "stated"),
+    [
+        ("kr500", 250.0, True),
+        pytest.param("6R", 60.0, True, marks=pytest.mark.slow),
+        ("kr500", 250.0, False),
+    ],
 )
 def test_what_no_cause_explains_is_unknown(name, load, stated):
     diagnosis = sound(found(measured(name, joints=product, loads=(load,), state_sigma=stated)))
@@ -454,7 +459,12 @@ def test_a_tool_mounted_anew_is_found_and_mended():
 
 
 @pytest.mark.parametrize(
-    ("step", "said"), [(np.radians(0.01), "0.01°"), (np.radians(0.005), "0.005°"), (1e-4, "0.0001 rad")]
+    ("step", "said"),
+    [
+        pytest.param(np.radians(0.01), "0.01°", marks=pytest.mark.slow),
+        (np.radians(0.005), "0.005°"),
+        pytest.param(1e-4, "0.0001 rad", marks=pytest.mark.slow),
+    ],
 )
 def test_rounded_joints_are_suspected_of_the_scatter_they_make(step, said):
     campaign = measured(seed=5)
@@ -463,7 +473,7 @@ def test_rounded_joints_are_suspected_of_the_scatter_they_make(step, said):
     assert f"multiples of {said}," in fault.what
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_drives_that_warm_up_are_no_drift_of_the_base(seed):
     """Each joint's zero creeps to rest by its own way, by another law than any that is tried."""
     way = 6e-5 * np.random.default_rng(seed).normal(size=6)

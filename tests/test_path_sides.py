@@ -101,8 +101,12 @@ def with_a_wave(folder: Path, seed: int) -> Campaign:
 
 @pytest.mark.parametrize(
     ("seed", "faults"),
-    [(3, lambda seen: diagnose(seen).diagnosis.faults), (5, lambda seen: prepare(seen).faults)],
-    ids=["beside causes", "before any"],
+    [
+        pytest.param(
+            3, lambda seen: diagnose(seen).diagnosis.faults, id="beside causes", marks=pytest.mark.slow
+        ),
+        pytest.param(5, lambda seen: prepare(seen).faults, id="before any"),
+    ],
 )
 def test_what_hangs_together_along_a_path_is_no_step(tmp_path: Path, seed: int, faults) -> None:
     found = faults(with_a_wave(tmp_path, seed))

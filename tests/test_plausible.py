@@ -550,7 +550,9 @@ COUNTED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", COUNTED)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=pytest.mark.slow) if " sign" in case else case for case in COUNTED]
+)
 def test_joints_counted_otherwise_in_several_ways_at_once(case):
     name, spoil, told = COUNTED[case]
     with pytest.raises(InputError) as caught:

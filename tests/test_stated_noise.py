@@ -112,7 +112,7 @@ def test_a_noise_stated_right_is_not_doubted(targets):
     assert not found.notes
 
 
-@pytest.mark.parametrize("targets", [2, 3])
+@pytest.mark.parametrize("targets", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_a_noise_that_nobody_states_is_what_distances_show_once_causes_leave_no_more(targets):
     robot = load_robot("kr500")
     plan = planned(robot, random_poses(robot, 80, np.random.default_rng(3)), targets=TARGETS[:targets])

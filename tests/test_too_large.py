@@ -22,7 +22,7 @@ def test_an_arm_that_warms_up_is_named():
     assert cause.cause == "thermal_growth"
 
 
-@pytest.mark.parametrize("growth", [8e-3, -8e-3])
+@pytest.mark.parametrize("growth", [8e-3, pytest.param(-8e-3, marks=pytest.mark.slow)])
 def test_no_arm_grows_by_millimetres_per_metre(growth):
     found = _warming(growth)
     assert found.verdict == "unknown"

@@ -46,8 +46,8 @@ def named(campaign):
     ("name", "joints", "play", "poses", "targets", "seed"),
     [
         ("kr120", [0], 50e-6, 40, 3, 5),
-        ("kr500", [0], 50e-6, 50, 3, 9),
-        ("ur10", [1], 50e-6, 60, 3, 28),
+        pytest.param("kr500", [0], 50e-6, 50, 3, 9, marks=pytest.mark.slow),
+        pytest.param("ur10", [1], 50e-6, 60, 3, 28, marks=pytest.mark.slow),
         ("iiwa7", [0], 250e-6, 30, 1, 33),
         ("ur5", [1, 2], 250e-6, 45, 3, 7),
         ("kr500", [0, 1], 250e-6, 30, 3, 18),

@@ -25,7 +25,9 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return seeds(tmp_path_factory.mktemp("sound"))
 
 
-@pytest.mark.parametrize("chunk", range(CHUNKS))
+@pytest.mark.parametrize(
+    "chunk", [pytest.param(n, marks=pytest.mark.slow) if n > 3 else n for n in range(CHUNKS)]
+)
 def test_spoilt_input_is_refused_in_words(tmp_path: Path, sound: dict[str, str], chunk: int) -> None:
     ended = [run(number, sound, QUICK, tmp_path / "case") for number in range(chunk, CASES, CHUNKS)]
     assert [(one.number, one.wrong, one.said) for one in ended if one.wrong] == []

@@ -142,7 +142,7 @@ def test_the_simulated_campaign_shows_its_cause() -> None:
 @pytest.mark.parametrize(
     "change", [permuted, other_frame, other_names, other_units, written_twice], ids=lambda f: f.__name__
 )
-@pytest.mark.parametrize("name", ["simulated", "in a bent valley"])
+@pytest.mark.parametrize("name", ["simulated", pytest.param("in a bent valley", marks=pytest.mark.slow)])
 def test_told_otherwise_it_is_the_same(tmp_path: Path, change: Change, name: str) -> None:
     same(found(change(campaign_of(name), tmp_path)), diagnosed(name))
 
