@@ -17,6 +17,7 @@ from workbench.diagnosis.telling.evidence import structure_evidence
 from workbench.diagnosis.telling.headline import Errors, headline
 from workbench.diagnosis.telling.headline import steps as said_of_steps
 from workbench.effects.backlash import Backlash
+from workbench.effects.guideway import Guideway
 from workbench.effects.place import Where
 from workbench.effects.records import from_record, record
 from workbench.effects.unnamed import BESIDE, KINDS, Product, Tilt, Warmth, steps, unnamed
@@ -558,6 +559,24 @@ def test_a_headline_says_a_cause_once_with_all_its_places():
     ]
     said = headline("ambiguous", each_other, Errors(stages, stages[1], 0.05, 0.05, 0.01, 0.05))
     assert said.startswith("Not decided: joint compliance in joint_2 or lost motion in joint_2. Held-out")
+
+
+def test_a_headline_calls_an_open_cause_as_the_field_calls_it_there():
+    stages = [
+        Stage(name, 0, rms, rms, rms, rms)
+        for name, rms in (("nominal", 0.7), ("geometry", 0.11), ("all", 0.05))
+    ]
+    place, called = Where(joint="joint_2"), Guideway.called
+    errors = Errors(stages, stages[1], 0.05, 0.05, 0.01, 0.05)
+    rivals = (Rival("joint_map", place, 0.3, called),)
+    open_ = Finding("gear_eccentricity", "", place, "ambiguous", 0.05, 0.7, rivals=rivals)
+    first = "gear eccentricity in joint_2"
+    assert headline("ambiguous", [open_], errors).startswith(f"Not decided: {first} or {called} in joint_2.")
+    open_ = Finding(
+        "joint_map", "", place, "ambiguous", 0.05, 0.7, rivals=(Rival("backlash", place, 0.3),), called=called
+    )
+    said = headline("ambiguous", [open_], errors)
+    assert said.startswith(f"Not decided: {called} in joint_2 or backlash in joint_2.")
 
 
 def test_a_headline_with_much_that_is_open_says_the_first_of_it_and_how_many_more():

@@ -62,11 +62,12 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Rival:
-    """Another explanation of the same, with its probability."""
+    """Another explanation of the same, with its probability. called: as of a finding."""
 
     cause: str
     where: Where
     probability: float
+    called: str = ""
 
 
 @dataclass(frozen=True)

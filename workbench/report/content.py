@@ -203,7 +203,8 @@ def next_step(diagnosis: Diagnosis) -> tuple[str, str]:
     for finding in sorted(diagnosis.causes, key=lambda finding: -finding.gain_mm):
         offered = [one.words for one in to_decide(finding)][:1] or [finding.separate_by or ""]
         if offered[0]:
-            return f"To decide {words_of(finding.cause, finding.where)}: {offered[0]} (under Causes).", ""
+            what = words_of(finding.cause, finding.where, finding.called)
+            return f"To decide {what}: {offered[0]} (under Causes).", ""
     if any(finding.cause == UNKNOWN for finding in diagnosis.causes):
         whys = [item.why for item in diagnosis.not_testable if item.why.startswith("no column")]
         steps = ["repeat ten poses five times", *dict.fromkeys(why.partition(": ")[2] for why in whys)]
@@ -321,7 +322,7 @@ def _rivals(finding: Finding) -> list[str]:
     """One entry per cause, with its places: `lost motion (joint_1, joint_2)`."""
     places: dict[str, list[str]] = {}
     for rival in finding.rivals:
-        said = OUTSIDE if rival.cause == "unknown" else words(rival.cause)
+        said = OUTSIDE if rival.cause == "unknown" else rival.called or words(rival.cause)
         places.setdefault(said, []).append(place(rival.where))
     found = {cause: ", ".join(dict.fromkeys(filter(None, where))) for cause, where in places.items()}
     return [f"{cause} ({where})" if where else cause for cause, where in found.items()]

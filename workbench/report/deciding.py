@@ -24,8 +24,8 @@ def to_decide(finding: Finding) -> list[Decision]:
 
 
 def decision(one: Decision) -> str:
-    """What would decide, with λ before and after."""
+    """What would decide, with λ before and after, where that is another."""
     if one.lambda_after is None:
         return one.words
     before, after = (significant(float(f"{value:.2g}"), 2) for value in (one.lambda_before, one.lambda_after))
-    return f"{one.words} (λ {before} → {after})"
+    return one.words if before == after else f"{one.words} (λ {before} → {after})"

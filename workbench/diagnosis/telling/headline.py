@@ -177,8 +177,8 @@ def _left(findings: Sequence[Finding]) -> str:
     like = next((f.like for f in findings if f.like), "")
     likeliest = max(rivals, key=lambda rival: rival.probability, default=None)
     if likeliest is not None and likeliest.probability > 1 - PRIORS.named:
-        words = words_of(likeliest.cause, likeliest.where)
-        more = "more of the " if words in [words_of(f.cause, f.where) for f in findings] else ""
+        words = words_of(likeliest.cause, likeliest.where, likeliest.called)
+        more = "more of the " if words in [words_of(f.cause, f.where, f.called) for f in findings] else ""
         if like:
             return f"Something is left that looks like {like}, or may be {more}{words}"
         return f"Something is left that may be {more}{words}, or has no name"
@@ -231,9 +231,10 @@ def _mm(length: float) -> str:
     return f"{length:.{3 if length < 1 else 2}f}"
 
 
-def words_of(cause: str, where: Where) -> str:
-    """A cause and where it sits, as people say them."""
-    name = "something without a name" if cause == UNKNOWN else called(cause)
+def words_of(cause: str, where: Where, name: str = "") -> str:
+    """A cause and where it sits, as people say them. name: what the field calls it there, where its cause
+    does not say it."""
+    name = "something without a name" if cause == UNKNOWN else name or called(cause)
     return f"{name} in {where}" if str(where) else name
 
 
@@ -248,7 +249,7 @@ def by_cause(found: Iterable[Finding | Effect]) -> list[str]:
 def _either(finding: Finding) -> str:
     """A cause that is not decided, or its likeliest rival, the likelier first."""
     either: list[Finding | Rival] = sorted([finding, *finding.rivals[:1]], key=lambda one: -one.probability)
-    words = [words_of(one.cause, one.where) for one in either]
+    words = [words_of(one.cause, one.where, one.called) for one in either]
     if len(set(words)) < len(words):  # one gear, at one of two orders
         words = [f"{word} at order {one.where.order:.4g}" for word, one in zip(words, either, strict=True)]
     return " or ".join(words)

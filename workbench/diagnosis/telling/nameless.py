@@ -67,11 +67,11 @@ def _in_words(component: Component) -> str:
 
 def _with_names(components: Sequence[Component], share: Shares) -> tuple[Rival, ...]:
     """The causes that could be what has no name, likeliest first."""
-    causes = [
-        (p, components[k].key) for k, p in share.items() if k is not None and not components[k].nameless
-    ]
+    causes = [(p, components[k]) for k, p in share.items() if k is not None and not components[k].nameless]
     return tuple(
-        Rival(*key, p) for p, key in sorted(causes, key=lambda one: -one[0]) if p >= PRIORS.faintest_rival
+        Rival(*one.key, p, one.effect.called if one.effect else "")
+        for p, one in sorted(causes, key=lambda cause: -cause[0])
+        if p >= PRIORS.faintest_rival
     )
 
 

@@ -45,14 +45,14 @@ def standing(selection: Selection, effect: Effect) -> Standing:
     covered, rivals, faint, nameless = probability, list[Rival](), list[Rival](), dict[str, None]()
     others = sorted(((p, k) for k, p in share.items() if k is not None and k != index), reverse=True)
     for p, k in others:
-        rival = Rival(*selection.components[k].key, p)
+        component = selection.components[k]
+        rival = Rival(*component.key, p, component.effect.called if component.effect else "")
         close = raised[k] >= (1 - PRIORS.by_data) * total
         worth_a_word = close or (covered < PRIORS.listed and p >= PRIORS.faintest_rival)
         if (rival.cause, rival.where) != effect.key:
             (rivals if worth_a_word else faint).append(rival)
-            other = selection.components[k].effect
-            if worth_a_word and rival.cause == UNKNOWN and other is not None:
-                nameless[other.label] = None
+            if worth_a_word and rival.cause == UNKNOWN and component.effect is not None:
+                nameless[component.effect.label] = None
         covered += p if worth_a_word else 0.0
     late = _not_yet_named(probability, faint)
     return Standing(probability, tuple(rivals), tuple(nameless), late, raised[index] / total)

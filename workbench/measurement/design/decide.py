@@ -235,7 +235,7 @@ def _readings(problem: Problem, tie: Tie, offers: Offers, now: float) -> list[De
 
 def _said(effect: Effect) -> str:
     """A cause and where it sits, as people say them."""
-    return words_of(effect.cause, effect.where)
+    return words_of(effect.cause, effect.where, effect.called)
 
 
 def _form_said(effect: Effect, problem: Problem) -> dict[str, str]:
