@@ -27,6 +27,7 @@ from .legible import legible
 from .limits import detectable, not_testable, place, place_of, unidentifiable
 from .numbers import (
     MISSING,
+    NOT_KNOWN,
     bound,
     decimals,
     mm,
@@ -285,10 +286,10 @@ def _bounds(diagnosis: Diagnosis) -> str:
     if diagnosis.bounds_mm is None:
         return ""
     near, far = map(bound, diagnosis.bounds_mm)
-    return (
-        f"What correction leaves, 95 %: {near} mm at half of the measured poses, {far} mm at half of those "
-        "all over the joints' range."
-    )
+    left = f"What correction leaves, 95 %: {near} mm at half of the measured poses"
+    if far == NOT_KNOWN:
+        return f"{left}. Of most of the joints' range these poses say nothing."
+    return f"{left}, {far} mm at half of those all over the joints' range."
 
 
 def _cause(finding: Finding, number: int) -> Content:

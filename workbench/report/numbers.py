@@ -11,6 +11,7 @@ from ..effects.place import Parameter
 
 MISSING = "–"
 FARTHEST = 100.0  # mm: no robot errs by more
+NOT_KNOWN = "not known"
 PREFIXES = ((1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"))
 SCALABLE = ("rad", "m", "N", "Nm", "Pa", "s")
 # A pure number is a share of one, in per cent, or below this in ppm; these parameters are something else.
@@ -75,11 +76,10 @@ def significant(value: float, digits: int = 3) -> str:
     return f"{decimals(value / 10.0**power, digits - 1)}·10{str(power).translate(SUPERSCRIPTS)}"
 
 
-def bound(value: float, over: str = "over") -> str:
-    """A bound [mm], from a centimetre in whole ones; beyond `FARTHEST` that it is `over` that: what is so
-    unsure is not known at all."""
+def bound(value: float) -> str:
+    """A bound [mm], from a centimetre in whole ones; `NOT_KNOWN` beyond `FARTHEST`."""
     if value >= FARTHEST:
-        return f"{over} {FARTHEST:.0f}"
+        return NOT_KNOWN
     return mm(value) if value < 10 else f"{value:.0f}"
 
 

@@ -63,7 +63,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         f"  held-out error, mm RMS   {'   '.join(_steps(diagnosis))}",
     ]
     if diagnosis.bounds_mm:
-        near, far = (bound(size, over=">") for size in diagnosis.bounds_mm)
+        near, far = map(bound, diagnosis.bounds_mm)
         lines.append(f"  corrected, 95 %, mm      where measured {near}   all over the joints' range {far}")
     if diagnosis.test:
         t = diagnosis.test
