@@ -187,6 +187,11 @@ def test_unknown_cause_shows_its_structure() -> None:
             "19.0 … 23.0·10⁻⁹/(N·m²)",
         ),
         (Parameter("half_width", 0.0, float("nan"), "rad"), "0 µrad", ""),
+        (
+            Parameter("amplitude", 6.44e-4, 1.833e-3, "rad", least=0.0),
+            "600 µrad",
+            "0 … 4\N{NARROW NO-BREAK SPACE}200 µrad",
+        ),
     ],
 )
 def test_numbers_of_parameters(parameter: Parameter, value: str, interval: str) -> None:

@@ -132,7 +132,7 @@ class Drift(DirectEffect):
         along = v / rate if rate > 0 else np.full(3, 3**-0.5)
         std = float(np.sqrt(along @ covariance[:3, :3] @ along))
         return (
-            Parameter("rate", rate, std, "m/s", f"speed of the {self.what}, at the start"),
+            Parameter("rate", rate, std, "m/s", f"speed of the {self.what}, at the start", least=0.0),
             *super().report(values, covariance),
         )
 
@@ -185,7 +185,11 @@ class FreeDrift(Drift):
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         size, std = self._shift(values, covariance)
-        return (Parameter("amplitude", size, std, "m", f"RMS of the {self.what}'s shift in the campaign"),)
+        return (
+            Parameter(
+                "amplitude", size, std, "m", f"RMS of the {self.what}'s shift in the campaign", least=0.0
+            ),
+        )
 
     def _shift(self, values: Array, covariance: Array) -> tuple[float, float]:
         """RMS over the campaign of how far it shifts [m], and its standard deviation."""

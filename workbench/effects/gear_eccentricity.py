@@ -79,7 +79,7 @@ class GearEccentricity(Harmonic):
         (a, sa), (f, sf) = amplitude_phase(values, covariance)
         cycles = "1 cycle" if self.cycles == 1 else f"{self.cycles} cycles"
         return (
-            Parameter("amplitude", a, sa, "rad", f"of {cycles} per joint turn"),
+            Parameter("amplitude", a, sa, "rad", f"of {cycles} per joint turn", least=0.0),
             Parameter("phase", f, sf, "rad", "at joint zero"),
         )
 

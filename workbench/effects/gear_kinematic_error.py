@@ -112,7 +112,7 @@ class GearKinematicError(Harmonic):
         (a, sa), (f, sf) = amplitude_phase(values, covariance)
         of = f"every {self.period_mm:.4g} mm" if self.sliding else f"of {self.cycles:g} cycles per joint turn"
         return (
-            Parameter("amplitude", a, sa, self.unit, of),
+            Parameter("amplitude", a, sa, self.unit, of, least=0.0),
             Parameter("phase", f, sf, "rad", "at joint zero"),
         )
 

@@ -122,7 +122,7 @@ class Guideway(OverTravel, DirectEffect):
         for name, parts in SAID.items():
             own = np.concatenate([np.arange(K * i, K * i + K) for i in parts])
             size, std = rms(values[own], covariance[np.ix_(own, own)])
-            out.append(Parameter(name, size, std, "m" if parts[0] < RX else "rad", MEANING[name]))
+            out.append(Parameter(name, size, std, "m" if parts[0] < RX else "rad", MEANING[name], least=0.0))
         return tuple(out)
 
     def sentence(self, values: Array) -> str:

@@ -152,7 +152,9 @@ class JointMap(OverTravel, TransmissionEffect):
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         """RMS of the map over the range."""
         size, std = rms(values, covariance)
-        return (Parameter("amplitude", size, std, self.unit, "RMS of the map over the joint's range"),)
+        return (
+            Parameter("amplitude", size, std, self.unit, "RMS of the map over the joint's range", least=0.0),
+        )
 
     def sentence(self, values: Array) -> str:
         size = motion_said(np.sqrt((values**2).sum() / 2), self.sliding)

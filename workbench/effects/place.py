@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A fitted number with its standard deviation. `meaning` is one short sentence for people."""
+    """A fitted number with its standard deviation. `meaning` is one short sentence for people; least: what it
+    cannot be below, as an amplitude cannot be negative."""
 
     name: str
     value: float
     std: float
     unit: str
     meaning: str = ""
+    least: float = -math.inf
 
     @property
     def interval(self) -> tuple[float, float]:
         """95 % interval (normal)."""
-        return self.value - 1.96 * self.std, self.value + 1.96 * self.std
+        return max(self.value - 1.96 * self.std, self.least), self.value + 1.96 * self.std
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ class Unnamed(Effect):
         """How large it is: its weights are nobody's numbers."""
         size = float(np.linalg.norm(values))
         std = float(np.sqrt(values @ covariance @ values)) / size if size > 0 else 0.0
-        return (Parameter("size", size, std, "rad", "RMS of what is beside that form"),)
+        return (Parameter("size", size, std, "rad", "RMS of what is beside that form", least=0.0),)
 
     def sized(self, scale: float) -> Effect:
         return replace(self, size=scale * self.size)
