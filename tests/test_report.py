@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from html_check import parse
 
-from workbench.diagnosis.result import Diagnosis, Finding
+from workbench.diagnosis.result import Diagnosis, Finding, NotTestable
 from workbench.effects import catalogue
-from workbench.effects.place import Parameter
+from workbench.effects.place import Parameter, Where
 from workbench.report import figures, write_all
 from workbench.report.content import content, gather
 from workbench.report.equation import typeset
@@ -81,6 +81,23 @@ def test_page_and_pdf_come_out_the_same_twice() -> None:
     first, second = gather(example.diagnosis()), gather(example.diagnosis())
     assert page(first) == page(second)
     assert pdf(first) == pdf(second)
+
+
+def test_a_table_with_many_places_keeps_room_for_its_other_columns() -> None:
+    """Else each word of a reason stands on a line of its own, over pages."""
+
+    def pages(diagnosis: Diagnosis) -> int:
+        found = re.search(rb"/Count (\d+)", pdf(gather(diagnosis)))
+        assert found is not None
+        return int(found[1])
+
+    plain = example.diagnosis()
+    pairs = [
+        Where(joint=f"joint_{a}", other=f"joint_{b}") for a in range(3, 7) for b in range(3, 7) if a != b
+    ]
+    why = "no column temp_degC (or t_s): record the temperature of the arm with each pose, or its time. "
+    untested = tuple(NotTestable("wrist_coupling", 12 * why, where) for where in pairs)
+    assert pages(replace(plain, not_testable=(*plain.not_testable, *untested))) <= pages(plain) + 1
 
 
 def test_failure_leaves_the_folder_as_it_was(
