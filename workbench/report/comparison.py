@@ -80,7 +80,8 @@ def said_of(comparison: Comparison) -> dict[str, Any]:
     return {
         "title": comparison.title,
         "headline": comparison.headline,
-        "clauses": comparison.headline.removesuffix(".").split("; "),
+        "clauses": comparison.headline.removesuffix(comparison.elsewhere).rstrip(" .").split("; "),
+        "elsewhere": comparison.elsewhere,
         "verdict": "changed" if comparison.changed else "unchanged",
         "campaigns": [[c, str(n)] for c, n in zip(comparison.campaigns, comparison.n_poses, strict=True)],
         "changes": [_change(change) for change in comparison.changes],

@@ -8,7 +8,7 @@ that all occasions have (`sets`), so that a change is named by its probability.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...campaign import Campaign, load_campaign
@@ -75,13 +75,14 @@ def _assembled(decided: Decided, inputs: Mapping[str, str], notes: Sequence[str]
     first = system.occasions[0].problem
     other, zeros = beside_the_robot(system, beside), hidden_zeros(decided)
     said = headline(changes, bound, other, changed, zeros, nominal, beside[-1].label)
+    elsewhere = _apart_in_posture(system)
     return Comparison(
         first.robot.name,
         first.robot.title,
         tuple(one.label for one in system.occasions),
         tuple(len(one.problem.q) for one in system.occasions),
         changed,
-        " ".join([said, *_apart_in_posture(system)]),
+        f"{said} {elsewhere}".strip(),
         changes,
         bound,
         nominal,
@@ -92,21 +93,25 @@ def _assembled(decided: Decided, inputs: Mapping[str, str], notes: Sequence[str]
         tuple(tracks(decided)),
         (*notes, *_notes(decided)),
         inputs,
+        elsewhere,
     )
 
 
-def _apart_in_posture(system: System) -> Iterator[str]:
-    """Campaigns of which hardly a pose is within what others covered, where the model does not fit."""
-    if not system.misfit:
-        return
-    for k, one in enumerate(system.occasions):
+def _apart_in_posture(system: System) -> str:
+    """Campaigns of which hardly a pose is within what others covered, where the model does not fit; nothing
+    where there are none."""
+    alone = list[str]()
+    for k, one in enumerate(system.occasions) if system.misfit else ():
         others = [i for i in range(system.count) if i != k]
         if hardly(system, k, others):
             here = inside(system, k, others)
-            yield (
-                f"Only {int(here.sum())} of the {len(here)} poses of {one.label} lie within what the other "
-                "campaigns covered: elsewhere only what is larger than what the model lacks there is told."
-            )
+            alone.append(f"{int(here.sum())} of the {len(here)} poses of {one.label}")
+    if not alone:
+        return ""
+    return (
+        f"Only {listed(alone)} lie within what the other campaigns covered: elsewhere only what is larger "
+        "than what the model lacks there is told."
+    )
 
 
 def _notes(decided: Decided) -> list[str]:

@@ -305,7 +305,8 @@ def _between(reduced: Reduced, i: int, j: int) -> float:
 def form_of(candidate: Candidate, shape: Shape) -> str:
     """What changed, in words, and in which of its forms where there are several."""
     forms = {effect.form for one in candidate.shapes for effect in one.effects}
-    return f"{label_of(candidate, shape)}" + (f", {shape.effects[0].form}" if len(forms) > 1 else "")
+    form = shape.effects[0].form if len(forms) > 1 else ""
+    return ", ".join(filter(None, [label_of(candidate, shape), form]))
 
 
 def label_of(candidate: Candidate, shape: Shape | None = None) -> str:

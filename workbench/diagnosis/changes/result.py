@@ -240,10 +240,10 @@ class Track:
 class Comparison:
     """What changed between campaigns of one robot.
 
-    changed: whether the robot did, with a probability of 0.95 or more. within_mm: 95 % bound of what all
-    other changes of geometry together make of the points in the poses of all campaigns (RMS, frame and
-    targets fitted anew). nominal_mm: RMS that the nominal robot is off. inputs:
-    "<folder>/<file>" → SHA-256."""
+    headline: ends with `elsewhere`, which campaigns were hardly compared, if any. changed: whether the robot
+    did, with a probability of 0.95 or more. within_mm: 95 % bound of what all other changes of geometry
+    together make of the points in the poses of all campaigns (RMS, frame and targets fitted anew).
+    nominal_mm: RMS that the nominal robot is off. inputs: "<folder>/<file>" → SHA-256."""
 
     robot: str
     title: str
@@ -261,6 +261,7 @@ class Comparison:
     chart: tuple[Track, ...]
     notes: tuple[str, ...]
     inputs: Mapping[str, str] = field(default_factory=dict)
+    elsewhere: str = ""
 
     @property
     def bounded(self) -> bool:
