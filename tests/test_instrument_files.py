@@ -282,3 +282,20 @@ def test_parted_thousands_are_said_to_be_that(tmp_path):
 def test_a_column_without_a_finite_number_is_no_place(tmp_path):
     (tmp_path / "t.csv").write_text("".join(f"{i},{cells(PLACES[i, 0])},1e400\n" for i in range(12)))
     assert guess_points(tmp_path / "t.csv").keys["columns"] == {"pose_id": 1, "x_mm": 2, "y_mm": 3, "z_mm": 4}
+
+
+@pytest.mark.parametrize("names", ["q0,qx,qy,qz,tx,ty,tz", "Q0,Q1,Q2,Q3,X,Y,Z", "Qw,Qx,Qy,Qz,Tx,Ty,Tz"])
+def test_a_scalar_that_is_called_otherwise_than_the_rest_of_a_turn(tmp_path, names):
+    turn = np.roll(TURN.as_quat(), 1, axis=1)
+    rows = "".join(f"{i},OK,{cells(turn[i])},{cells(HAND[i])},0.12\n" for i in range(12))
+    keys, found = points(tmp_path, f"Frame,State,{names},Error\n{rows}")
+    assert keys["turned_mm"] == 100
+    assert found[:, 1] == pytest.approx(HAND + TURN.apply([100, 0, 0]), abs=1e-3)
+
+
+def test_blanks_within_cells_do_not_part_columns_that_tabs_do(tmp_path):
+    """As many blanks in the header as in the rows: the columns were one too far to the left."""
+    rows = "".join("Point {}\t{}\t{}\t{}\t12:03:01 AM\n".format(i, *at) for i, at in enumerate(HAND))
+    keys, found = points(tmp_path, f"Feature Name\tX\tY\tZ\tDate / Time\n{rows}")
+    assert keys["separator"] == "\t"
+    assert found == pytest.approx(HAND[:, None])

@@ -30,10 +30,13 @@ def places_of(text: Text) -> tuple[dict[str, Triple], str]:
     if not text.header:
         side_by_side = _side_by_side(text, numbers)
         return ({"": side_by_side[-1]} if side_by_side else {}), ""
+    turn = _turn(text)
     whole = {
         name: place
         for name, place in _triples(text, numbers).items()
-        if unit_of(text, place[0]) in (None, *LENGTHS) and _turn_with(text, place) is None
+        if unit_of(text, place[0]) in (None, *LENGTHS)
+        and _turn_with(text, place) is None
+        and not set(place) <= set(turn)
     }
     if "" in whole:
         return {"": whole[""]}, ""
@@ -112,20 +115,25 @@ def _turn_with(text: Text, place: Triple) -> int | None:
 
 
 def quaternion(text: Text) -> dict[str, str | int]:
-    """Columns of a 6-D measurement by their names, which say where the scalar is: qw ... qz, or q0 ... q3, or
-    x, y, z, w of length 1."""
-    numbers = [i for i in range(len(text.header)) if is_numbers(text.columns[i])]
-    by_name = {plain(text.header[i]): i for i in numbers}
-    for names in (QUATERNION, ("q0", "q1", "q2", "q3")):
-        if set(names) <= by_name.keys():
-            return {our: text.name(by_name[name]) for our, name in zip(QUATERNION, names, strict=True)}
+    """Columns of a 6-D measurement by their names."""
+    return {our: text.name(i) for our, i in zip(QUATERNION, _turn(text), strict=False)}
+
+
+def _turn(text: Text) -> tuple[int, ...]:
+    """Columns w, x, y and z of a quaternion, whose names say where the scalar is: qw ... qz, q0 ... q3, q0
+    with qx ... qz, or x, y, z, w of length 1; none where there is none, or several are."""
     if not text.header:
-        return {}
+        return ()
+    numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
+    by_name = {plain(text.header[i]): i for i in numbers}
+    for names in (QUATERNION, ("q0", "q1", "q2", "q3"), ("q0", "qx", "qy", "qz")):
+        if set(names) <= by_name.keys():
+            return tuple(by_name[name] for name in names)
     turns = [
         (w, *place) for place in _triples(text, numbers).values()
         if (w := _turn_with(text, place)) is not None
     ]  # fmt: skip
-    return {our: text.name(i) for our, i in zip(QUATERNION, turns[0], strict=True)} if len(turns) == 1 else {}
+    return turns[0] if len(turns) == 1 else ()
 
 
 def measured(text: Text) -> set[int]:

@@ -189,14 +189,17 @@ def _has_comma(cell: str) -> bool:
     )
 
 
-def _columns_of(lines: list[str], separator: str) -> tuple[float, int]:
-    """How well a separator divides all lines alike, and into how many; blanks come last."""
+def _columns_of(lines: list[str], separator: str) -> tuple[float, bool, int]:
+    """How well a separator divides all lines alike, and into how many; tabs come first, as blanks may stand
+    between them, and blanks last."""
     try:
         widths = [len(cells(line, separator)) for line in lines[:200]]
     except (ValueError, csv.Error):
-        return 0.0, 0
+        return 0.0, False, 0
     most = max(set(widths), key=widths.count)
-    return (widths.count(most) / len(widths), most) if most > 1 else (0.0, 0)
+    if most == 1:
+        return 0.0, False, 0
+    return widths.count(most) / len(widths), separator == "\t", most
 
 
 def is_numbers(column: Sequence[str]) -> bool:
