@@ -19,6 +19,7 @@ from .guess_text import (
     Array,
     Text,
     any_text,
+    counts,
     is_numbers,
     length_unit,
     plain,
@@ -34,6 +35,7 @@ FITS = 0.03  # of the spread of the points: what the right columns are off the r
 CLEARLY = 4.0  # times as far off as the best, or as
 EXACT = 1e-3  # of the spread: other columns than the right ones
 TURNED = 100.0  # mm along the axes of a 6-D measurement, as far as targets usually are from the flange
+MOST = 0.5  # of the points that name a pose which is there, and of the poses that are named
 ROWS, FEWEST = 60, 8  # of a table, that are looked at
 POSE = (
     "poseid", "pose", "posenr", "poseno", "posename", "id", "nr", "no", "nummer", "index", "group", "gruppe",
@@ -43,6 +45,7 @@ TARGET = (
     "target", "smr", "reflector", "reflektor", "marker", "marke", "ziel", "targetname", "pointname",
     "punktname", "point", "punkt", "name",
 )  # fmt: skip
+GROUP = ("group", "gruppe")  # of the target, where points name the pose
 TEMPERATURE = ("temp", "temperature", "temperatur", "tempdegc", "tempc", "armtemp", "robottemp")  # in °C
 
 
@@ -56,6 +59,7 @@ class Guessed:
     why: str = ""
     targets: list[str] = field(default_factory=list)  # of a table of points, by name
     payloads: list[str] = field(default_factory=list)  # of a table of joints, in its column `payload`
+    ids: list[str] = field(default_factory=list)  # of its poses
 
 
 def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
@@ -63,8 +67,10 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
     where the file cannot be read."""
     words, keys = any_text(path)
     if (program := program_of(words)) is not None:
-        joint_table(words, program, path)
-        return _of_program(program, keys, joints)
+        rows = joint_table(words, program, path).split("\n")
+        found = _of_program(program, keys, joints)
+        found.ids = [row.split(",")[0] for row in rows if row]
+        return found
     if says_tool_poses(words):
         why = "its positions are the tool's, which say no joints: export jointtargets (RAPID), axes (KRL)"
         return Guessed(lacking=[f"joint {i}" for i in range(1, len(joints) + 1)], why=why)
@@ -104,8 +110,10 @@ def _of_joints(
             continue
         unit = joint_unit(text, joint, numbers[i], list(numbers.values()))
         columns[f"q{i}_{unit}"] = text.name(numbers[i])
+    found.ids = [str(row) for row, _ in enumerate(text.columns[0], 1)] if text.columns else []
     if identity is not None and not repeats(text.columns[identity]):
         columns = {"pose_id": text.name(identity), **columns}
+        found.ids = list(text.columns[identity])
     warmth = _first(text, TEMPERATURE, set(numbers.values())) if text.header else None
     if warmth is not None and is_numbers(text.columns[warmth]) and "f]" not in text.header[warmth].lower():
         columns["temp_degC"] = text.name(warmth)
@@ -136,8 +144,9 @@ def guess_both(path: Path, joints: Sequence[MovingJoint], misfit: Misfit) -> tup
     )
 
 
-def guess_points(path: Path) -> Guessed:
-    """Keys for the table of the instrument's points. Raises `InputError` where the file cannot be read."""
+def guess_points(path: Path, poses: Sequence[str] = ()) -> Guessed:
+    """Keys for the table of the instrument's points. poses: the names of the poses, as far as they are known.
+    Raises `InputError` where the file cannot be read."""
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
     places, found.why = places_of(text)
@@ -145,8 +154,7 @@ def guess_points(path: Path) -> Guessed:
         found.lacking += ["x", "y", "z"]
         return found
     taken = {index for triple in places.values() for index in triple}
-    identity = _first(text, POSE, _nameless(text, taken))
-    return _of_places(text, found, places, identity, taken)
+    return _of_places(text, found, places, _identity(text, taken, poses), taken)
 
 
 def _of_places(
@@ -165,7 +173,9 @@ def _of_places(
         columns["pose_id"] = text.name(identity)
         taken = {*taken, identity}
     if len(places) == 1:
-        target = _first(text, TARGET, _nameless(text, taken), min(own))
+        several = identity is not None and repeats(text.columns[identity])
+        names = (*TARGET, *GROUP) if several else TARGET
+        target = _first(text, names, _nameless(text, taken), min(own))
         if target is not None and repeats(text.columns[target]):
             columns["target"] = text.name(target)
             found.targets = list(dict.fromkeys(text.columns[target]))
@@ -227,6 +237,29 @@ def _fitting(
 def _nameless(text: Text, taken: set[int]) -> set[int]:
     """Columns that name nothing: those that are taken; without a header those that were measured as well."""
     return taken if text.header else {*taken, *measured(text)}
+
+
+def _identity(text: Text, taken: set[int], poses: Sequence[str]) -> int | None:
+    """The column of the pose's name in a table of points: one that holds the names of the `poses`; else as it
+    is called, unless it numbers the points and not the poses."""
+    called = _first(text, POSE, _nameless(text, taken))
+    holding = [
+        i
+        for i, column in enumerate(text.columns)
+        if i not in taken and _hold(column, poses) and (i == called or not counts(column))
+    ]
+    if holding:
+        return called if called in holding else holding[0]
+    return None if called is not None and poses and counts(text.columns[called]) else called
+
+
+def _hold(column: Sequence[str], poses: Sequence[str]) -> bool:
+    """Whether most cells are names of poses, and most poses have one."""
+    names = set(poses)
+    return (
+        sum(cell in names for cell in column) >= MOST * len(column)
+        and len(names.intersection(column)) >= MOST * len(names) > 0
+    )
 
 
 def _first(text: Text, names: Sequence[str], taken: set[int], before: int | None = None) -> int | None:
