@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from workbench import InputError
-from workbench.campaign.file import CampaignFile, PointsFile, point_columns
+from workbench.campaign.file import CampaignFile, PointsFile
 from workbench.campaign.guess import guess_points, guess_poses
 from workbench.campaign.point_table import read_points
 from workbench.campaign.program_joints import joint_table, program_of
@@ -174,8 +174,13 @@ def test_signs_for_nothing_are_blank(tmp_path):
     assert table.texts["target"].count("T2") == 11
     long_rows = long(["pose_id,target,x_mm,y_mm,z_mm"]).replace(f"{PLACES[0, 0, 0]:.7f}", "-")
     (tmp_path / "points.csv").write_text(long_rows)
-    (fault,) = read_table(tmp_path / "points.csv", Layout(), point_columns(file)).faults
-    assert fault.mend == "leave out the line of a point that was not seen"
+    bare = CampaignFile.model_validate(
+        {"schema": 1, "robot": "r", "poses": {"file": "p"}, "points": {"file": "points.csv"}}
+    )
+    (fault,) = read_points(tmp_path / "points.csv", bare, "points").faults
+    assert str(fault).endswith(
+        "line 2: x_mm is empty; leave x, y and z empty, or the line out, of a point that was not seen"
+    )
 
 
 def test_the_group_names_the_pose_and_not_the_collection(tmp_path):

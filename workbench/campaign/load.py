@@ -87,6 +87,9 @@ def joined(path: Path, file: CampaignFile, robot: Robot, poses: Table, points: T
     Raises `InputError`; `NotInOrder` where there is nothing to join the points by.
     """
     number_poses(poses)
+    if not len(points):
+        what = "not one point was seen: x, y and z are empty in every row"
+        raise InputError(Fault(str(points.path), what, "are `columns` right?"))
     in_order = "pose_id" not in points.texts
     if in_order and not number_points(points, poses):
         raise NotInOrder
