@@ -56,7 +56,7 @@ class PosesFile(TableFile):
 
     template: Literal[*PROGRAM_EXPORTS] | None = None  # type: ignore[valid-type]
     """the file is a robot program: the joint positions in it, a row each, column 1 their name (or number),
-    the axes behind it in degrees; what is said beside it counts"""
+    the axes behind it in degrees, of URScript in radians; what is said beside it counts"""
     joints: Literal["urdf", "controller"] = "urdf"
     """how the joint columns count: as the URDF does, or as the robot's controller does, whose names of joints
     are known then, in the header and under `columns`"""

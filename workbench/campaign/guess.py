@@ -27,7 +27,7 @@ from .guess_text import (
     repeats,
     unit_of,
 )
-from .program_joints import ARM, joint_table, program_of, says_tool_poses
+from .program_joints import ARM, joint_table, no_joints, program_of
 
 Misfit = Callable[[Array, Array], float]  # joints (N, n) [rad, m], points (N, 3) [m] → misfit [m]
 
@@ -71,8 +71,7 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
         found = _of_program(program, keys, joints)
         found.ids = [row.split(",")[0] for row in rows if row]
         return found
-    if says_tool_poses(words):
-        why = "its positions are the tool's, which say no joints: export jointtargets (RAPID), axes (KRL)"
+    if why := no_joints(words):
         return Guessed(lacking=[f"joint {i}" for i in range(1, len(joints) + 1)], why=why)
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)

@@ -38,6 +38,7 @@ UNITS = {
     }.items()
     for word in words.split()
 }
+TREE = re.compile(r"\s*(<\?xml|<\w+\s[^<>]*=|\{\s*\"|\[\s*\{)")
 LENGTHS = tuple(unit for unit, known in table_units.UNITS.items() if known.dimension == "length")
 BEHIND = rf"[ _.-]+({'|'.join([*dict.fromkeys(UNITS.values()), '°'])})\s*$"  # a name, as its unit
 STATED = re.compile(r"\bunits?\b\W+(\w+)", re.I)  # of all columns, above the table
@@ -100,6 +101,10 @@ def any_text(path: Path) -> tuple[str, dict[str, Any]]:
 def read(path: Path) -> Text:
     """The table in a file. Raises `InputError` where it cannot be read."""
     text, keys = any_text(path)
+    if TREE.match(text):
+        raise InputError(
+            Fault(str(path), "is XML or JSON, no table", "write a line per row, its numbers side by side")
+        )
     mark = next((m[1] for line in text.splitlines()[:20] if (m := COMMENT.match(line))), "")
     numbered = content(text, Layout(comment=mark))
     if not numbered:

@@ -91,7 +91,8 @@ def _section(table: Path, folder: Path, guessed: Guessed) -> str:
     if guessed.lacking:
         has = f"; the file has: {', '.join(filter(None, guessed.header))}" if guessed.header else ""
         why = f" ({guessed.why})" if guessed.why else ""
-        lines.append(f"{LACKING}{', '.join(guessed.lacking)}{why}{has}. Say them under columns.")
+        say = " Say them under columns." if guessed.header or guessed.keys else ""
+        lines.append(f"{LACKING}{', '.join(guessed.lacking)}{why}{has}.{say}")
     return "\n".join(lines)
 
 
