@@ -14,8 +14,8 @@ from .guess_text import Array, Text, angle_unit, counts, is_numbers, plain, stat
 
 ENDLESS = 4 * np.pi  # rad, that a joint without limits turns at most
 BESIDE = 0.02  # of a joint's range: as near to a limit as it is within
-SAID = r"(?:actual|act|ist|target|soll|command|cmd|meas|position|pos|angle|winkel)*"
-JOINT = re.compile(rf"{SAID}(?:a|j|q|ax|axis|achse|joint|jt|theta|angle){SAID}0?(\d\d?){SAID}")
+SAID = r"(?:actual|act|ist|target|soll|command|cmd|meas|position|pos|angle|winkel|value|wert)*"
+JOINT = re.compile(rf"{SAID}(?:a|j|q|ax|axis|achse?|gelenk|joint|jt|theta|angle)+{SAID}0?(\d\d?){SAID}")
 LETTERS = ("s", "l", "u", "r", "b", "t")  # as Yaskawa calls six axes
 COMMANDED = re.compile("target|command|cmd|soll|aspos")
 OTHER = re.compile(
@@ -72,9 +72,10 @@ def _groups(text: Text, names: Sequence[str], numbers: Sequence[int]) -> dict[st
         own |= {letter: j for j, letter in enumerate(LETTERS, 1)}
     groups: dict[str, dict[int, int]] = {}
     for i in numbers:
-        name = re.sub(r"\[(\d+)\]", r"\1", text.header[i].lower())  # [0] is the first, and no unit
+        name = text.header[i].lower().replace("θ", "theta")
+        name = re.sub(r"\[(\d+)\]", r"\1", name)  # [0] is the first, and no unit
         bare = plain(name)
-        other = "" if unit_of(text, i) or name != text.header[i].lower() else stated(text, i)
+        other = "" if unit_of(text, i) or stated(text, i).isdigit() else stated(text, i)
         parts = re.split(r"[/.:,$\s]+", name)
         said = {j: part for part in parts for j, one in enumerate(names, 1) if part == one.lower()}
         numbered = {int(m[1]): part for part in parts if (m := JOINT.fullmatch(plain(part)))}

@@ -32,7 +32,7 @@ UNITS = {
         "cm": "cm centimeter centimeters centimetre centimetres",
         "um": "um µm μm micrometer micrometers micron microns",
         "in": 'in inch inches zoll "',
-        "deg": "deg ° degree degrees",
+        "deg": "deg ° degree degrees grad",
         "rad": "rad radian radians",
         "mrad": "mrad",
     }.items()
