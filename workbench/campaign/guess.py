@@ -14,7 +14,7 @@ import numpy as np
 
 from ..robot.chain import MovingJoint
 from .guess_joints import joint_columns, joint_unit, joints_of, windows
-from .guess_places import measured, places_of, quaternion
+from .guess_places import angles, measured, places_of, quaternion
 from .guess_text import (
     Array,
     Text,
@@ -183,6 +183,9 @@ def _of_places(
         if turned := quaternion(text):
             columns |= turned
             found.keys["turned_mm"] = TURNED
+        elif said := angles(text):
+            found.lacking.append("qw, qx, qy, qz")
+            found.why = f"{said} are left out: write the turn as a quaternion to have it read"
         return _mapped(found, columns)
     found.targets = list(places)
     found.keys["wide"] = {name: [text.name(i) for i in triple] for name, triple in places.items()}

@@ -18,6 +18,7 @@ FEWEST = 8  # rows that say whether two places are on one arm
 STILL = 1e-3  # of its distance: less moves what stands on the base
 SAME, RIGID = 0.01, 0.05  # of what places vary by: two targets are farther apart, and as far in all poses
 TURN = 0.01  # that the length of a quaternion is off 1
+ANGLES = ("rx", "ry", "rz"), ("rotx", "roty", "rotz"), ("roll", "pitch", "yaw"), ("a", "b", "c")
 OTHER = re.compile(
     r"[dusrnv]|\w*(nom|soll|theo|ref|cad|cmd|dev|abw|diff|delta|err|unc|unsich|sig|std|rms|tol|rot|ori|ang"
     r"|quat|norm|vel)\w*"
@@ -134,6 +135,13 @@ def _turn(text: Text) -> tuple[int, ...]:
         if (w := _turn_with(text, place)) is not None
     ]  # fmt: skip
     return turns[0] if len(turns) == 1 else ()
+
+
+def angles(text: Text) -> str:
+    """What the angles of a 6-D measurement are called, unless its turn is stated as a quaternion."""
+    by_name = {plain(text.header[i]): text.header[i] for i in range(len(text.columns)) if text.header}
+    found = next((names for names in ANGLES if set(names) <= by_name.keys()), ())
+    return "" if _turn(text) else ", ".join(by_name[name] for name in found)
 
 
 def measured(text: Text) -> set[int]:
