@@ -25,6 +25,9 @@ def test_a_running_number_of_the_points_names_no_pose(tmp_path, poses):
     """A third of the points were taken to be of the poses of their number, the others left out."""
     found = named_by(tmp_path, "No,Reflector", lambda i, t: f"{3 * i + t + 1},T{t}", poses)
     assert found == (None, "Reflector")
+    two = [f"{2 * i + t + 1},T{t},{cells(PLACES[i, t])}" for i in range(12) for t in range(2)]
+    (tmp_path / "points.csv").write_text("\n".join(["No,Reflector,X,Y,Z", *two, ""]))
+    assert "pose_id" not in guess_points(tmp_path / "points.csv", poses).keys["columns"]
 
 
 def test_the_column_that_holds_the_names_of_the_poses_counts(tmp_path):

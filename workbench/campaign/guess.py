@@ -35,7 +35,7 @@ FITS = 0.03  # of the spread of the points: what the right columns are off the r
 CLEARLY = 4.0  # times as far off as the best, or as
 EXACT = 1e-3  # of the spread: other columns than the right ones
 TURNED = 100.0  # mm along the axes of a 6-D measurement, as far as targets usually are from the flange
-MOST = 0.5  # of the points that name a pose which is there, and of the poses that are named
+NAMING, NAMED = 0.7, 0.5  # of the points that name a pose which is there, and of the poses that are named
 ROWS, FEWEST = 60, 8  # of a table, that are looked at
 POSE = (
     "poseid", "pose", "posenr", "poseno", "posename", "id", "nr", "no", "nummer", "index", "group", "gruppe",
@@ -259,8 +259,8 @@ def _hold(column: Sequence[str], poses: Sequence[str]) -> bool:
     """Whether most cells are names of poses, and most poses have one."""
     names = set(poses)
     return (
-        sum(cell in names for cell in column) >= MOST * len(column)
-        and len(names.intersection(column)) >= MOST * len(names) > 0
+        sum(cell in names for cell in column) >= NAMING * len(column)
+        and len(names.intersection(column)) >= NAMED * len(names) > 0
     )
 
 
