@@ -316,3 +316,14 @@ def test_angles_of_a_6d_measurement_are_said_to_be_left_out(tmp_path, names):
     assert found.keys["columns"] == {"pose_id": "pose", "x_mm": "X", "y_mm": "Y", "z_mm": "Z"}
     assert found.lacking == ["qw, qx, qy, qz"]
     assert found.why.startswith(f"{names.replace(',', ', ')} are left out")
+
+
+def test_what_keeps_a_column_from_being_numbers_is_told(tmp_path):
+    """It was said that x, y and z are not found, among names x, y and z."""
+    rows = [f"{i},{cells(at)}" for i, at in enumerate(HAND)]
+    rows[7] = rows[7].rpartition(",")[0] + ",over"
+    (tmp_path / "t.csv").write_text("\n".join(["pose,X,Y,Z", *rows, ""]))
+    assert guess_points(tmp_path / "t.csv").why == "Z holds 'over', which is no number"
+    rows = [",".join(f"{v:.2f}°" for v in row) for row in ANGLES]
+    (tmp_path / "t.csv").write_text("\n".join([",".join(numbered("A{}")), *rows, ""]))
+    assert guess_poses(tmp_path / "t.csv", ARM).why == f"A1 holds '{ANGLES[0, 0]:.2f}°', which is no number"

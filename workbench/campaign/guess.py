@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..robot.chain import MovingJoint
-from .guess_joints import joint_columns, joint_unit, joints_of, windows
+from .guess_joints import joint_columns, joint_unit, joints_of, odd_joint, windows
 from .guess_places import angles, measured, places_of, quaternion
 from .guess_text import (
     Array,
@@ -79,6 +79,7 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
         carried = text.columns[text.header.index("payload")]
         found.payloads = [name for name in dict.fromkeys(carried) if name]
     numbers = joint_columns(text, joints)
+    found.why = "" if numbers else odd_joint(text, joints)
     identity = _first(text, POSE, _nameless(text, set(numbers.values())))
     return _of_joints(text, found, joints, numbers, identity)
 

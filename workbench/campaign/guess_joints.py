@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.chain import MovingJoint
-from .guess_text import Array, Text, angle_unit, counts, is_numbers, plain, stated, unit_of
+from .guess_text import Array, Text, angle_unit, counts, is_numbers, odd_cell, plain, stated, unit_of
 
 ENDLESS = 4 * np.pi  # rad, that a joint without limits turns at most
 BESIDE = 0.02  # of a joint's range: as near to a limit as it is within
@@ -61,6 +61,15 @@ def _behind_names(text: Text, names: Sequence[str], numbers: Sequence[int]) -> d
     behind = next((i for i in numbers if i > first), len(text.columns))
     found = {names.index(fixed[i]) + 1: behind + i - first for i in named}
     return found if set(found.values()) <= set(numbers) else {}
+
+
+def odd_joint(text: Text, joints: Sequence[MovingJoint]) -> str:
+    """Why columns that are named as joints are none; nothing where there are no such columns."""
+    if not text.header:
+        return ""
+    groups = _groups(text, [joint.name for joint in joints], range(len(text.columns)))
+    named = max(groups.values(), key=len, default={})
+    return odd_cell(text, named.values()) if len(named) == len(joints) else ""
 
 
 def _groups(text: Text, names: Sequence[str], numbers: Sequence[int]) -> dict[str, dict[int, int]]:

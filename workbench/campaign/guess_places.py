@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from .file import QUATERNION
-from .guess_text import LENGTHS, Array, Text, counts, is_numbers, plain, unit_of
+from .guess_text import LENGTHS, Array, Text, counts, is_numbers, odd_cell, plain, unit_of
 
 Triple = tuple[int, int, int]
 
@@ -47,6 +47,9 @@ def places_of(text: Text) -> tuple[dict[str, Triple], str]:
             names = " and ".join(_called(text, place) for place in whole.values())
             return {}, f"{names} are not targets on one arm: say which is what was measured"
         whole = measured
+    if not whole:
+        named = _triples(text, range(len(text.columns))).values()
+        return {}, next((odd for place in named if (odd := odd_cell(text, place))), "")
     if len(whole) == 1:
         return {"": next(iter(whole.values()))}, ""
     return {f"T{name}" if name.isdigit() else name.upper(): place for name, place in whole.items()}, ""

@@ -213,6 +213,15 @@ def is_numbers(column: Sequence[str]) -> bool:
     return bool(said) and all(map(_is_number, said))
 
 
+def odd_cell(text: Text, indices: Iterable[int]) -> str:
+    """What keeps columns from being numbers: the first cell that is none; nothing where all are."""
+    for i in indices:
+        for cell in text.columns[i]:
+            if cell.lower() not in ABSENT and not _is_number(cell):
+                return f"{text.header[i]} holds {cell!r}, which is no number"
+    return ""
+
+
 def stated(text: Text, index: int) -> str:
     """What stands in brackets behind a column's name, in lower case."""
     said = re.search(r"[\[(]\s*(.*?)\s*[\])]", text.header[index].lower()) if text.header else None
