@@ -155,6 +155,14 @@ def test_faults_of_the_points(tmp_path: Path, points: str, told: str) -> None:
     assert any(fault.startswith(told) for fault in got), got
 
 
+@pytest.mark.parametrize("name", ["{}_T1", "World::{}::T1", "{}-T1"])
+def test_names_that_hold_pose_and_target_are_told_as_that(tmp_path: Path, name: str) -> None:
+    points = "pose_id,x_mm,y_mm,z_mm\n" + "".join(f"{name.format(p)},1,2,3\n" for p in "abc")
+    toml = TOML.replace('[targets.T2]\non = "link_2"\n', "")
+    (told,) = faults(write_example(tmp_path, toml, points=points))
+    assert told.endswith("part names that hold pose and target into two columns")
+
+
 def test_faults_of_all_files_at_once(tmp_path: Path) -> None:
     toml = TOML.replace('on = "link_2"', 'on = "elbow"')
     poses = POSES.replace("b,-20", "a,x")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -140,4 +141,6 @@ def _no_match(poses: Table, points: Table) -> list[Fault]:
         "both tables name a pose by the same pose_id; where `columns` leave it out, poses count from 1, and "
         "points stand in the order of the poses"
     )
+    if any(part in told for name in seen[:1] for part in re.split(r"[\W_]+", name)):
+        mend = "name poses alike in both; part names that hold pose and target into two columns"
     return [Fault(str(points.path), what, mend)]
