@@ -298,6 +298,19 @@ def test_a_scalar_that_is_called_otherwise_than_the_rest_of_a_turn(tmp_path, nam
     assert found[:, 1] == pytest.approx(HAND + TURN.apply([100, 0, 0]), abs=1e-3)
 
 
+def test_turns_of_two_bodies_are_not_mixed(tmp_path):
+    """The turns of the last had gone with the places of the first."""
+    turn = np.roll(TURN.as_quat(), 1, axis=1)
+    base = cells([1, 0, 0, 0, 3000, 10, 20])
+    rows = "".join(f"2,Probe,{cells(turn[i])},{cells(HAND[i])},Base,{base}\n" for i in range(12))
+    head = "Tools,Port 1,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Port 2,Q0,Qx,Qy,Qz,Tx,Ty,Tz\n"
+    keys, found = points(tmp_path, head + rows)
+    assert "turned_mm" not in keys
+    assert list(keys["wide"]) == ["T1", "T2"]
+    assert found[:, 0] == pytest.approx(HAND, abs=1e-3)
+    assert found[:, 1] == pytest.approx(np.broadcast_to([3000, 10, 20], (12, 3)))
+
+
 def test_blanks_within_cells_do_not_part_columns_that_tabs_do(tmp_path):
     """As many blanks in the header as in the rows: the columns were one too far to the left."""
     rows = "".join("Point {}\t{}\t{}\t{}\t12:03:01 AM\n".format(i, *at) for i, at in enumerate(HAND))

@@ -31,13 +31,10 @@ def places_of(text: Text) -> tuple[dict[str, Triple], str]:
     if not text.header:
         side_by_side = _side_by_side(text, numbers)
         return ({"": side_by_side[-1]} if side_by_side else {}), ""
-    turn = _turn(text)
     whole = {
         name: place
         for name, place in _triples(text, numbers).items()
-        if unit_of(text, place[0]) in (None, *LENGTHS)
-        and _turn_with(text, place) is None
-        and not set(place) <= set(turn)
+        if unit_of(text, place[0]) in (None, *LENGTHS) and _turn_with(text, place) is None
     }
     if "" in whole:
         return {"": whole[""]}, ""
@@ -113,7 +110,8 @@ def _turn_with(text: Text, place: Triple) -> int | None:
         if 0 <= i < len(text.columns) and is_numbers(text.columns[i]):
             name = plain(text.header[i])
             length = np.linalg.norm(np.column_stack([xyz, text.numbers(i)]), axis=1)
-            if "w" in (name[:1], name[-1:]) and (np.abs(length[np.isfinite(length)] - 1) < TURN).all():
+            scalar = name == "q0" or "w" in (name[:1], name[-1:])
+            if scalar and (np.abs(length[np.isfinite(length)] - 1) < TURN).all():
                 return i
     return None
 
@@ -124,15 +122,15 @@ def quaternion(text: Text) -> dict[str, str | int]:
 
 
 def _turn(text: Text) -> tuple[int, ...]:
-    """Columns w, x, y and z of a quaternion, whose names say where the scalar is: qw ... qz, q0 ... q3, q0
-    with qx ... qz, or x, y, z, w of length 1; none where there is none, or several are."""
+    """Columns w, x, y and z of a quaternion, whose names say where the scalar is: qw ... qz, q0 ... q3, or
+    x, y, z beside w or q0, of length 1; none where there is none, or several are."""
     if not text.header:
         return ()
     numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
-    by_name = {plain(text.header[i]): i for i in numbers}
-    for names in (QUATERNION, ("q0", "q1", "q2", "q3"), ("q0", "qx", "qy", "qz")):
-        if set(names) <= by_name.keys():
-            return tuple(by_name[name] for name in names)
+    called = [plain(name) for name in text.header]
+    for names in (QUATERNION, ("q0", "q1", "q2", "q3")):
+        if all(called.count(name) == 1 and called.index(name) in numbers for name in names):
+            return tuple(called.index(name) for name in names)
     turns = [
         (w, *place) for place in _triples(text, numbers).values()
         if (w := _turn_with(text, place)) is not None
