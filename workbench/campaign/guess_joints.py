@@ -18,9 +18,8 @@ SAID = r"(?:actual|act|ist|target|soll|command|cmd|meas|position|pos|angle|winke
 JOINT = re.compile(rf"{SAID}(?:a|j|q|ax|axis|achse?|gelenk|joint|jt|theta|angle)+{SAID}0?(\d\d?){SAID}")
 LETTERS = ("s", "l", "u", "r", "b", "t")  # as Yaskawa calls six axes
 COMMANDED = re.compile("target|command|cmd|soll|aspos")
-OTHER = re.compile(
-    r"vel|speed|geschw|acc|torq|tau|moment|effort|force|temp|err|dev(?!ice)|[ck]orr|cur(?!.*(pos|ang))"
-)  # quantities of a joint that are no position
+POSITION, NO_POSITION = re.compile("pos|ang"), re.compile(r"err|dev(?!ice)|[ck]orr")
+OTHER = re.compile("vel|speed|geschw|acc|torq|tau|moment|effort|force|temp|cur")  # quantities of a joint
 
 
 def joint_unit(text: Text, joint: MovingJoint, index: int, all_joints: Sequence[int]) -> str:
@@ -110,7 +109,8 @@ def _rank(text: Text, stem: str, columns: Mapping[int, int]) -> tuple[int, bool,
     """0: their unit is that of a joint; 1: they state none; 2: one that is not known; 3: they are another
     quantity. What was commanded comes before what was read back."""
     unit, other = unit_of(text, columns[1]), stem.rpartition(" ")[2]
-    worth = 3 if OTHER.search(stem) else 0 if unit else 2 if other else 1
+    no_position = NO_POSITION.search(stem) or (OTHER.search(stem) and not POSITION.search(stem))
+    worth = 3 if no_position else 0 if unit else 2 if other else 1
     return worth, not COMMANDED.search(stem), "pos" not in stem
 
 
