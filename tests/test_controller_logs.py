@@ -45,6 +45,13 @@ def test_what_controllers_call_their_joints(tmp_path, names, columns, wanted):
     assert joint_columns(tmp_path, names, columns) == wanted
 
 
+def test_positions_by_number_are_said_to_have_an_order_of_their_own(tmp_path):
+    rows = [cells(row / 60) for row in ANGLES]
+    head = ",".join(numbered("/joint_states/position[{}]", 0))
+    (tmp_path / "poses.csv").write_text("\n".join([head, *rows, ""]))
+    assert "in the order of the message's names" in guess_poses(tmp_path / "poses.csv", ARM).why
+
+
 @pytest.mark.parametrize("header", [True, False])
 @pytest.mark.parametrize("gripper", [[], ["finger_joint"]])
 def test_joint_states_stand_in_the_order_of_their_names(tmp_path, header, gripper):

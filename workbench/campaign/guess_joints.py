@@ -16,6 +16,7 @@ ENDLESS = 4 * np.pi  # rad, that a joint without limits turns at most
 BESIDE = 0.02  # of a joint's range: as near to a limit as it is within
 SAID = r"(?:actual|act|ist|target|soll|command|cmd|meas|position|pos|angle|winkel|value|wert)*"
 JOINT = re.compile(rf"{SAID}(?:a|j|q|ax|axis|achse?|gelenk|joint|jt|theta|angle)+{SAID}0?(\d\d?){SAID}")
+NUMBERED = re.compile(r"\bpositions?\[\d+\]$", re.I)  # by the message's own order of joints
 LETTERS = ("s", "l", "u", "r", "b", "t")  # as Yaskawa calls six axes
 COMMANDED = re.compile("target|command|cmd|soll|aspos")
 POSITION, NO_POSITION = re.compile("pos|ang"), re.compile(r"err|dev(?!ice)|[ck]orr")
@@ -67,6 +68,8 @@ def odd_joint(text: Text, joints: Sequence[MovingJoint]) -> str:
     if not text.header:
         return ""
     groups = _groups(text, [joint.name for joint in joints], range(len(text.columns)))
+    if any(NUMBERED.search(name) for name in text.header):
+        return "position[0] ... stand in the order of the message's names, often the alphabet's: say it"
     named = max(groups.values(), key=len, default={})
     return odd_cell(text, named.values()) if len(named) == len(joints) else ""
 
