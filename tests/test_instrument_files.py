@@ -314,7 +314,7 @@ def test_turns_of_two_bodies_are_not_mixed(tmp_path):
 def test_blanks_within_cells_do_not_part_columns_that_tabs_do(tmp_path):
     """As many blanks in the header as in the rows: the columns were one too far to the left."""
     rows = "".join("Point {}\t{}\t{}\t{}\t12:03:01 AM\n".format(i, *at) for i, at in enumerate(HAND))
-    keys, found = points(tmp_path, f"Feature Name\tX\tY\tZ\tDate / Time\n{rows}")
+    keys, found = points(tmp_path, f"Feature Name\tX\tY\tZ\tDate Time\n{rows}")
     assert keys["separator"] == "\t"
     assert found == pytest.approx(HAND[:, None])
 
