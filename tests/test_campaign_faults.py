@@ -130,7 +130,7 @@ def test_faults_of_the_poses(tmp_path: Path, poses: str, told: str) -> None:
         (POINTS.replace("a,T2", "a,"), "points.csv line 3: target is empty; name the target of every point"),
         (
             POINTS.replace("2e3", ""),
-            "points.csv line 4: y_mm is empty; leave out the line of a point that was not",
+            "points.csv line 4: y_mm is empty; leave x, y and z empty, or the line out, of a point",
         ),
         (
             POINTS.replace("\n", ",1\n").replace("z_mm,1", "z_mm,sx_mm"),
@@ -155,6 +155,14 @@ def test_faults_of_the_points(tmp_path: Path, points: str, told: str) -> None:
     assert any(fault.startswith(told) for fault in got), got
 
 
+@pytest.mark.parametrize("name", ["{}_T1", "World::{}::T1", "{}-T1"])
+def test_names_that_hold_pose_and_target_are_told_as_that(tmp_path: Path, name: str) -> None:
+    points = "pose_id,x_mm,y_mm,z_mm\n" + "".join(f"{name.format(p)},1,2,3\n" for p in "abc")
+    toml = TOML.replace('[targets.T2]\non = "link_2"\n', "")
+    (told,) = faults(write_example(tmp_path, toml, points=points))
+    assert told.endswith("part names that hold pose and target into two columns")
+
+
 def test_faults_of_all_files_at_once(tmp_path: Path) -> None:
     toml = TOML.replace('on = "link_2"', 'on = "elbow"')
     poses = POSES.replace("b,-20", "a,x")
@@ -164,8 +172,8 @@ def test_faults_of_all_files_at_once(tmp_path: Path) -> None:
         "one of ['flange', 'base', 'tool0', 'world_mount', 'link_1', 'link_2', 'link_3']",
         "poses.csv line 3: q1_deg is 'x', not a number; a pose needs all its joints",
         "poses.csv: pose_id 'a' twice, lines 2 and 3; every row is a pose with a name of its own",
-        "points.csv line 5: z_mm is 'nan', not a finite number; "
-        "leave out the line of a point that was not seen",
+        "points.csv line 5: z_mm is empty; "
+        "leave x, y and z empty, or the line out, of a point that was not seen",
     ]
 
 

@@ -41,7 +41,7 @@ def test_faults_of_targets_side_by_side(tmp_path):
     assert len(told) == 1
     assert "line 4: x_mm ('x1') is 'oops', not a number" in told[0]
     told = faults(write_example(tmp_path, toml, POSES, wide.replace("oops", "1")))
-    assert "line 3: x_mm ('x1') of A is there in part only" in told[0]
+    assert "line 3: y_mm ('y1') of A is empty" in told[0]
     told = faults(write_example(tmp_path, toml.replace('"z1"', '"zz"'), POSES, wide))
     assert "points.wide.A.columns.z_mm: no column 'zz' in the header" in told[0]
 
@@ -247,3 +247,33 @@ def test_faults_of_a_6d_measurement(tmp_path):
     assert "line 4: qw ('q0') and the three beside it are no quaternion of length 1" in told[0]
     told = faults(write_example(tmp_path, BARE.format(poses="", points="turned_mm = 100\n"), POSES, POINTS))
     assert any("no column qw" in one for one in told)
+
+
+@pytest.mark.parametrize(
+    ("name", "rows", "said"),
+    [
+        ("pose_id,", "a,1,2,3\nb,,-,\nc,7,8,9\n", "without points"),
+        ("", "1,2,3\n,,nan\n7,8,9\n", "joined to the poses in order"),
+    ],
+)
+def test_a_row_of_what_was_not_seen_is_none(tmp_path, name, rows, said):
+    """Left out as advised, the others had no longer been as many as the poses."""
+    found = campaign(tmp_path, tables=(POSES, f"{name}x_mm,y_mm,z_mm\n{rows}"))
+    assert found.poses.ids == ("a", "c")
+    assert 1e3 * found.points[:, 0] == pytest.approx(np.array([[1, 2, 3], [7, 8, 9]]))
+    assert any("1 pose ('b') without points, left out" in one for one in found.warnings)
+    assert any(said in one for one in found.warnings)
+
+
+def test_a_6d_measurement_that_was_not_seen_keeps_the_order(tmp_path):
+    rows = SIX_D.replace("id,", "frame,").replace("4,5,6,0.7071,0,0,0.7071", ",,,,,,")
+    keys = SIX_D_KEYS.replace('pose_id = "id", ', "") + "turned_mm = 100\n"
+    found = campaign(tmp_path, points=keys, tables=(POSES, rows))
+    assert found.poses.ids == ("a", "c")
+    assert 1e3 * found.points[1] == pytest.approx(np.array([[7, 8, 9], [7, 108, 9], [7, 8, 109]]))
+
+
+def test_a_table_in_which_nothing_was_seen_is_told(tmp_path):
+    points = "pose_id,x_mm,y_mm,z_mm\na,,,\nb,,,\n"
+    (told,) = faults(write_example(tmp_path, BARE.format(poses="", points=""), POSES, points))
+    assert told.startswith("points.csv: not one point was seen: x, y and z are empty in every row")

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from workbench import InputError
-from workbench.campaign.file import CampaignFile, PointsFile, point_columns
+from workbench.campaign.file import CampaignFile, PointsFile
 from workbench.campaign.guess import guess_points, guess_poses
 from workbench.campaign.point_table import read_points
 from workbench.campaign.program_joints import joint_table, program_of
@@ -33,7 +33,7 @@ def points(tmp_path, text, encoding="utf-8"):
     """The layout as guessed, and the places (12, targets, 3) [mm] as then read."""
     (tmp_path / "points.csv").write_bytes(text.encode(encoding))
     found = guess_points(tmp_path / "points.csv")
-    assert not found.lacking, found
+    assert not {"x", "y", "z"}.intersection(found.lacking), found
     file = CampaignFile.model_validate(
         {"schema": 1, "robot": "r", "poses": {"file": "p"}, "points": {"file": "points.csv", **found.keys}}
     )
@@ -174,8 +174,13 @@ def test_signs_for_nothing_are_blank(tmp_path):
     assert table.texts["target"].count("T2") == 11
     long_rows = long(["pose_id,target,x_mm,y_mm,z_mm"]).replace(f"{PLACES[0, 0, 0]:.7f}", "-")
     (tmp_path / "points.csv").write_text(long_rows)
-    (fault,) = read_table(tmp_path / "points.csv", Layout(), point_columns(file)).faults
-    assert fault.mend == "leave out the line of a point that was not seen"
+    bare = CampaignFile.model_validate(
+        {"schema": 1, "robot": "r", "poses": {"file": "p"}, "points": {"file": "points.csv"}}
+    )
+    (fault,) = read_points(tmp_path / "points.csv", bare, "points").faults
+    assert str(fault).endswith(
+        "line 2: x_mm is empty; leave x, y and z empty, or the line out, of a point that was not seen"
+    )
 
 
 def test_the_group_names_the_pose_and_not_the_collection(tmp_path):
@@ -282,3 +287,56 @@ def test_parted_thousands_are_said_to_be_that(tmp_path):
 def test_a_column_without_a_finite_number_is_no_place(tmp_path):
     (tmp_path / "t.csv").write_text("".join(f"{i},{cells(PLACES[i, 0])},1e400\n" for i in range(12)))
     assert guess_points(tmp_path / "t.csv").keys["columns"] == {"pose_id": 1, "x_mm": 2, "y_mm": 3, "z_mm": 4}
+
+
+@pytest.mark.parametrize("names", ["q0,qx,qy,qz,tx,ty,tz", "Q0,Q1,Q2,Q3,X,Y,Z", "Qw,Qx,Qy,Qz,Tx,Ty,Tz"])
+def test_a_scalar_that_is_called_otherwise_than_the_rest_of_a_turn(tmp_path, names):
+    turn = np.roll(TURN.as_quat(), 1, axis=1)
+    rows = "".join(f"{i},OK,{cells(turn[i])},{cells(HAND[i])},0.12\n" for i in range(12))
+    keys, found = points(tmp_path, f"Frame,State,{names},Error\n{rows}")
+    assert keys["turned_mm"] == 100
+    assert found[:, 1] == pytest.approx(HAND + TURN.apply([100, 0, 0]), abs=1e-3)
+
+
+def test_turns_of_two_bodies_are_not_mixed(tmp_path):
+    """The turns of the last had gone with the places of the first."""
+    turn = np.roll(TURN.as_quat(), 1, axis=1)
+    base = cells([1, 0, 0, 0, 3000, 10, 20])
+    rows = "".join(f"2,Probe,{cells(turn[i])},{cells(HAND[i])},Base,{base}\n" for i in range(12))
+    head = "Tools,Port 1,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Port 2,Q0,Qx,Qy,Qz,Tx,Ty,Tz\n"
+    keys, found = points(tmp_path, head + rows)
+    assert "turned_mm" not in keys
+    assert list(keys["wide"]) == ["T1", "T2"]
+    assert found[:, 0] == pytest.approx(HAND, abs=1e-3)
+    assert found[:, 1] == pytest.approx(np.broadcast_to([3000, 10, 20], (12, 3)))
+
+
+def test_blanks_within_cells_do_not_part_columns_that_tabs_do(tmp_path):
+    """As many blanks in the header as in the rows: the columns were one too far to the left."""
+    rows = "".join("Point {}\t{}\t{}\t{}\t12:03:01 AM\n".format(i, *at) for i, at in enumerate(HAND))
+    keys, found = points(tmp_path, f"Feature Name\tX\tY\tZ\tDate Time\n{rows}")
+    assert keys["separator"] == "\t"
+    assert found == pytest.approx(HAND[:, None])
+
+
+@pytest.mark.parametrize("names", ["Rx,Ry,Rz", "Roll [deg],Pitch [deg],Yaw [deg]", "A,B,C"])
+def test_angles_of_a_6d_measurement_are_said_to_be_left_out(tmp_path, names):
+    """Its places were read alone, and nobody told."""
+    turns = TURN.as_euler("xyz", degrees=True)
+    rows = "".join(f"{i},{cells(HAND[i])},{cells(turns[i])}\n" for i in range(12))
+    (tmp_path / "points.csv").write_text(f"pose,X,Y,Z,{names}\n{rows}")
+    found = guess_points(tmp_path / "points.csv")
+    assert found.keys["columns"] == {"pose_id": "pose", "x_mm": "X", "y_mm": "Y", "z_mm": "Z"}
+    assert found.lacking == ["qw, qx, qy, qz"]
+    assert found.why.startswith(f"{names.replace(',', ', ')} are left out")
+
+
+def test_what_keeps_a_column_from_being_numbers_is_told(tmp_path):
+    """It was said that x, y and z are not found, among names x, y and z."""
+    rows = [f"{i},{cells(at)}" for i, at in enumerate(HAND)]
+    rows[7] = rows[7].rpartition(",")[0] + ",over"
+    (tmp_path / "t.csv").write_text("\n".join(["pose,X,Y,Z", *rows, ""]))
+    assert guess_points(tmp_path / "t.csv").why == "Z holds 'over', which is no number"
+    rows = [",".join(f"{v:.2f}°" for v in row) for row in ANGLES]
+    (tmp_path / "t.csv").write_text("\n".join([",".join(numbered("A{}")), *rows, ""]))
+    assert guess_poses(tmp_path / "t.csv", ARM).why == f"A1 holds '{ANGLES[0, 0]:.2f}°', which is no number"

@@ -628,6 +628,12 @@ def another_frame(places):
     return places
 
 
+def on_a_pillar(places):
+    places[:, 1] = np.random.default_rng(2).normal((1.5, 0.3, 0.2), 3e-5, (len(places), 3))
+    places[3, 1] = np.nan
+    return places
+
+
 def knocked(places):
     places[20:, 1] += 0.1
     return places
@@ -642,6 +648,20 @@ def test_of_two_targets_one_that_is_none_is_refused():
         believed(problem_of(points(honest(count=2), another_frame)))
     assert "the points of T1 and T2 fit the robot, but not together" in str(caught.value)
     believed(problem_of(points(honest(count=2), knocked)))
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_a_target_that_stands_still_is_told_as_that(count):
+    """The advice to leave it out lost what such a target tells of the base."""
+    standing = points(honest(count=count), on_a_pillar)
+    if count == 2:
+        with pytest.raises(InputError) as caught:
+            believed(problem_of(standing))
+        told = str(caught.value)
+    else:
+        told = check_campaign(first_look(standing)).text
+    assert "still while the arm moves" in told
+    assert 'say on = "base" under [targets.T2]' in told
 
 
 def test_the_command_line_warns_of_a_zero_that_is_off(tmp_path, capsys):

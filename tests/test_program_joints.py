@@ -7,6 +7,7 @@ from campaign_example import faults, write_example
 
 from workbench import InputError
 from workbench.campaign import load_campaign
+from workbench.campaign.exports import PROGRAM_EXPORTS
 from workbench.campaign.guess import guess_poses
 from workbench.campaign.program_joints import joint_table, program_of
 from workbench.robot.chain import MovingJoint
@@ -100,3 +101,64 @@ def test_programs_are_known_by_their_text(tmp_path):
     tool = guess_poses(tmp_path / "tool.mod", SIX)
     assert tool.lacking == [f"joint {j}" for j in range(1, 7)]
     assert "its positions are the tool's" in tool.why
+
+
+URSCRIPT = """def cal():
+  # movej([9, 9, 9, 9, 9, 9])
+  global P1_p = p[0.1, 0.2, 0.3, 0, 3.14, 0]
+  global P1 = [0.5, -1.25, 1, 0, 1.5e-1, 0]
+  movej([-0.1, -1.5, 1.5, 0, 1.57, 0], a=1.4, v=1.05)
+  movel(p[0.1, 0.2, 0.3, 0, 3.14, 0], a=1.2)
+end
+"""
+
+
+def test_positions_of_urscript_are_radians(tmp_path):
+    assert program_of(URSCRIPT) == "urscript"
+    assert joint_table(URSCRIPT, "urscript", "t.script").split() == [
+        "1,0.5,-1.25,1,0,1.5e-1,0",
+        "2,-0.1,-1.5,1.5,0,1.57,0",
+    ]
+    toml = TOML.format(template="urscript", third=4).replace("q1_deg", "q1_rad").replace("q3_mm", "q3_m")
+    points = POINTS.replace("p1", "1").replace("p2", "2")
+    found = load_campaign(write_example(tmp_path, toml, URSCRIPT, points)).poses
+    assert found.q[:, 0].tolist() == [0.5, -0.1]
+    assert PROGRAM_EXPORTS["urscript"]["columns"]["q6_rad"] == 7
+    assert PROGRAM_EXPORTS["drl"]["columns"]["q6_deg"] == 7
+
+
+def test_positions_of_drl():
+    text = (
+        "p1 = posj(0, 10, 20.5, 0, 30, 0)\nmovej(p1, vel=30)\np2=posj(1,2,3,4,5,6)\nx = posx(1,2,3,4,5,6)\n"
+    )
+    assert program_of(text) == "drl"
+    assert joint_table(text, "drl", "t.drl").split() == ["p1,0,10,20.5,0,30,0", "p2,1,2,3,4,5,6"]
+
+
+JBI = (
+    "/JOB\n//NAME CAL\n//POS\n///TOOL 0\n///POSTYPE {}\n///{}\nC00000=1000,-2000,30,4,5,6\n//INST\nNOP\nEND\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (JBI.format("PULSE", "PULSE"), "pulses of the motors"),
+        (JBI.format("BASE", "RECTAN"), "the tool's"),
+        ("def cal():\n  movej(p[0.1, 0.2, 0.3, 0, 3.14, 0])\nend\n", "the tool's"),
+        ("p1 = posx(100, 200, 300, 0, 180, 0)\n", "the tool's"),
+    ],
+)
+def test_programs_without_joints_are_told_as_that(tmp_path, text, why):
+    (tmp_path / "cal").write_text(text)
+    assert why in guess_poses(tmp_path / "cal", SIX).why
+
+
+@pytest.mark.parametrize(
+    "text", ['<Rob Type="KUKA"><AIPos A1="1.0" A2="2"/></Rob>\n', '{"q": [1, 2]}\n', "[{}]"]
+)
+def test_what_is_no_table_is_told_as_that(tmp_path, text):
+    """It was taken apart at its blanks, and its words offered as names of columns."""
+    (tmp_path / "t").write_text(text)
+    with pytest.raises(InputError, match="is XML or JSON, no table"):
+        guess_poses(tmp_path / "t", SIX)

@@ -17,6 +17,7 @@ from .check import check_points, check_poses, check_targets
 from .data import Campaign
 from .file import CampaignFile, point_columns, pose_columns
 from .load import NotInOrder, joined
+from .point_table import seen_rows
 
 
 def campaign_from(
@@ -72,7 +73,7 @@ def _poses(q: Any, robot: Robot) -> Table:
 
 def _points(points: Any, file: CampaignFile) -> Table:
     if _is_frame(points):
-        return _framed(points, "points", point_columns(file))
+        return seen_rows(_framed(points, "points", point_columns(file)))
     values = np.asarray(points, dtype=float)
     if values.ndim not in (2, 3) or values.shape[-1] != 3:
         raise InputError(Fault("points", f"has the shape {values.shape}", "(N, 3) or (N, T, 3) [m]"))

@@ -24,7 +24,14 @@ EXPORTS: dict[str, dict[str, Any]] = {
     "polyworks": {**_NAMED, "separator": " ", "comment": "#"},  # name x y z
 }
 
-_SIX_AXES = {f"q{i}_deg": i + 1 for i in range(1, 7)}
-_PROGRAM = {"header": False, "separator": ",", "columns": {"pose_id": 1, **_SIX_AXES}}
+_RADIANS = ("urscript",)  # of programs; the others state degrees
 
-PROGRAM_EXPORTS = dict.fromkeys(PROGRAMS, _PROGRAM)  # of what `program_joints` makes of them
+
+def _program(name: str) -> dict[str, Any]:
+    """The layout of what `program_joints` makes of a program."""
+    unit = "rad" if name in _RADIANS else "deg"
+    axes = {f"q{i}_{unit}": i + 1 for i in range(1, 7)}
+    return {"header": False, "separator": ",", "columns": {"pose_id": 1, **axes}}
+
+
+PROGRAM_EXPORTS = {name: _program(name) for name in PROGRAMS}

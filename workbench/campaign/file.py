@@ -56,7 +56,7 @@ class PosesFile(TableFile):
 
     template: Literal[*PROGRAM_EXPORTS] | None = None  # type: ignore[valid-type]
     """the file is a robot program: the joint positions in it, a row each, column 1 their name (or number),
-    the axes behind it in degrees; what is said beside it counts"""
+    the axes behind it in degrees, of URScript in radians; what is said beside it counts"""
     joints: Literal["urdf", "controller"] = "urdf"
     """how the joint columns count: as the URDF does, or as the robot's controller does, whose names of joints
     are known then, in the header and under `columns`"""
@@ -159,6 +159,7 @@ _EXAMPLES = EXAMPLES | {
 }
 
 
+UNSEEN = "leave x, y and z empty, or the line out, of a point that was not seen"
 QUATERNION = ("qw", "qx", "qy", "qz")
 WRENCH_COLUMNS = tuple(
     Column(f"{kind}{axis}", (dimension,), mend="write 0 where there is none")
@@ -209,13 +210,12 @@ def pose_columns(robot: Robot, joints: Sequence[Joint] = ()) -> list[Column]:
 def point_columns(file: CampaignFile, named: bool = False) -> list[Column]:
     """The columns of `points.csv`. With a single target, its column may be left out, and that of the pose
     where the points stand in the order of the poses (unless `named`)."""
-    unseen = "leave out the line of a point that was not seen"
     stated, turned = file.noise.sigma_mm is not None, file.points.turned_mm is not None
     sigma = "" if stated else "give it for every point, or state [noise] sigma_mm for the others"
     return [
         Column("pose_id", text=True, required=named, mend="every point belongs to a pose"),
         Column("target", text=True, required=len(file.targets) > 1, mend="name the target of every point"),
-        *(Column(axis, ("length",), required=True, wild=True, mend=unseen) for axis in "xyz"),
+        *(Column(axis, ("length",), required=True, blank=True, wild=True, mend=UNSEEN) for axis in "xyz"),
         *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
         *(Column(name, required=turned, blank=True) for name in QUATERNION),
     ]

@@ -5,21 +5,19 @@ A guess goes into `campaign.toml`, where people read it; `load_campaign` never g
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..robot.chain import MovingJoint
-from .guess_places import measured, places_of, quaternion
+from .guess_joints import joint_columns, joint_unit, joints_of, odd_joint, windows
+from .guess_places import angles, measured, places_of, quaternion
 from .guess_text import (
     Array,
     Text,
-    angle_unit,
     any_text,
     counts,
     is_numbers,
@@ -27,19 +25,17 @@ from .guess_text import (
     plain,
     read,
     repeats,
-    stated,
     unit_of,
 )
-from .program_joints import ARM, joint_table, program_of, says_tool_poses
+from .program_joints import ARM, joint_table, no_joints, program_of
 
 Misfit = Callable[[Array, Array], float]  # joints (N, n) [rad, m], points (N, 3) [m] → misfit [m]
 
-ENDLESS = 4 * np.pi  # rad, that a joint without limits turns at most
-BESIDE = 0.02  # of a joint's range: as near to a limit as it is within
 FITS = 0.03  # of the spread of the points: what the right columns are off the robot at most
 CLEARLY = 4.0  # times as far off as the best, or as
 EXACT = 1e-3  # of the spread: other columns than the right ones
 TURNED = 100.0  # mm along the axes of a 6-D measurement, as far as targets usually are from the flange
+NAMING, NAMED = 0.7, 0.5  # of the points that name a pose which is there, and of the poses that are named
 ROWS, FEWEST = 60, 8  # of a table, that are looked at
 POSE = (
     "poseid", "pose", "posenr", "poseno", "posename", "id", "nr", "no", "nummer", "index", "group", "gruppe",
@@ -49,8 +45,8 @@ TARGET = (
     "target", "smr", "reflector", "reflektor", "marker", "marke", "ziel", "targetname", "pointname",
     "punktname", "point", "punkt", "name",
 )  # fmt: skip
+GROUP = ("group", "gruppe")  # of the target, where points name the pose
 TEMPERATURE = ("temp", "temperature", "temperatur", "tempdegc", "tempc", "armtemp", "robottemp")  # in °C
-JOINT = re.compile(r"(?:a|j|q|ax|axis|achse|joint|jt|theta|actualq|targetq)(?:pos|cmd)?0?(\d\d?)(?:pos|cmd)?")
 
 
 @dataclass
@@ -63,6 +59,7 @@ class Guessed:
     why: str = ""
     targets: list[str] = field(default_factory=list)  # of a table of points, by name
     payloads: list[str] = field(default_factory=list)  # of a table of joints, in its column `payload`
+    ids: list[str] = field(default_factory=list)  # of its poses
 
 
 def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
@@ -70,17 +67,19 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
     where the file cannot be read."""
     words, keys = any_text(path)
     if (program := program_of(words)) is not None:
-        joint_table(words, program, path)
-        return _of_program(program, keys, joints)
-    if says_tool_poses(words):
-        why = "its positions are the tool's, which say no joints: export jointtargets (RAPID), axes (KRL)"
+        rows = joint_table(words, program, path).split("\n")
+        found = _of_program(program, keys, joints)
+        found.ids = [row.split(",")[0] for row in rows if row]
+        return found
+    if why := no_joints(words):
         return Guessed(lacking=[f"joint {i}" for i in range(1, len(joints) + 1)], why=why)
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
     if "payload" in text.header:
         carried = text.columns[text.header.index("payload")]
         found.payloads = [name for name in dict.fromkeys(carried) if name]
-    numbers = _joint_columns(text, joints)
+    numbers = joint_columns(text, joints)
+    found.why = "" if numbers else odd_joint(text, joints)
     identity = _first(text, POSE, _nameless(text, set(numbers.values())))
     return _of_joints(text, found, joints, numbers, identity)
 
@@ -109,10 +108,12 @@ def _of_joints(
         if i not in numbers:
             found.lacking.append(f"joint {i}")
             continue
-        unit = _joint_unit(text, joint, numbers[i], list(numbers.values()))
+        unit = joint_unit(text, joint, numbers[i], list(numbers.values()))
         columns[f"q{i}_{unit}"] = text.name(numbers[i])
+    found.ids = [str(row) for row, _ in enumerate(text.columns[0], 1)] if text.columns else []
     if identity is not None and not repeats(text.columns[identity]):
         columns = {"pose_id": text.name(identity), **columns}
+        found.ids = list(text.columns[identity])
     warmth = _first(text, TEMPERATURE, set(numbers.values())) if text.header else None
     if warmth is not None and is_numbers(text.columns[warmth]) and "f]" not in text.header[warmth].lower():
         columns["temp_degC"] = text.name(warmth)
@@ -143,8 +144,9 @@ def guess_both(path: Path, joints: Sequence[MovingJoint], misfit: Misfit) -> tup
     )
 
 
-def guess_points(path: Path) -> Guessed:
-    """Keys for the table of the instrument's points. Raises `InputError` where the file cannot be read."""
+def guess_points(path: Path, poses: Sequence[str] = ()) -> Guessed:
+    """Keys for the table of the instrument's points. poses: the names of the poses, as far as they are known.
+    Raises `InputError` where the file cannot be read."""
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
     places, found.why = places_of(text)
@@ -152,8 +154,7 @@ def guess_points(path: Path) -> Guessed:
         found.lacking += ["x", "y", "z"]
         return found
     taken = {index for triple in places.values() for index in triple}
-    identity = _first(text, POSE, _nameless(text, taken))
-    return _of_places(text, found, places, identity, taken)
+    return _of_places(text, found, places, _identity(text, taken, poses), taken)
 
 
 def _of_places(
@@ -172,7 +173,9 @@ def _of_places(
         columns["pose_id"] = text.name(identity)
         taken = {*taken, identity}
     if len(places) == 1:
-        target = _first(text, TARGET, _nameless(text, taken), min(own))
+        several = identity is not None and repeats(text.columns[identity])
+        names = (*TARGET, *GROUP) if several else TARGET
+        target = _first(text, names, _nameless(text, taken), min(own))
         if target is not None and repeats(text.columns[target]):
             columns["target"] = text.name(target)
             found.targets = list(dict.fromkeys(text.columns[target]))
@@ -181,6 +184,9 @@ def _of_places(
         if turned := quaternion(text):
             columns |= turned
             found.keys["turned_mm"] = TURNED
+        elif said := angles(text):
+            found.lacking.append("qw, qx, qy, qz")
+            found.why = f"{said} are left out: write the turn as a quaternion to have it read"
         return _mapped(found, columns)
     found.targets = list(places)
     found.keys["wide"] = {name: [text.name(i) for i in triple] for name, triple in places.items()}
@@ -196,110 +202,16 @@ def _mapped(found: Guessed, columns: dict[str, str | int]) -> Guessed:
     return found
 
 
-def _joint_unit(text: Text, joint: MovingJoint, index: int, all_joints: Sequence[int]) -> str:
-    """The unit of a joint's column, as its name says it or as large as its numbers are."""
-    slides = ("mm" if text.largest(index) > 5 else "m") if joint.kind == "prismatic" else None
-    return unit_of(text, index) or slides or angle_unit(text, all_joints)
-
-
-def _joint_columns(text: Text, joints: Sequence[MovingJoint]) -> dict[int, int]:
-    """Joint (from 1) → column: by the robot's own names, by names with a number; without a header the columns
-    side by side that vary and lie within the limits, the last of them."""
-    numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
-    if not text.header:
-        windows = _windows(text, joints)
-        return dict(enumerate(windows[-1], 1)) if windows else {}
-    groups = _groups(text, [joint.name for joint in joints], numbers)
-    if not groups:
-        return {}
-    best = max(groups.values(), key=len)
-    whole = [(key, one) for key, one in groups.items() if len(one) == len(joints)]
-    if whole:
-        _, best = min(whole, key=lambda item: _rank(text, item[0], item[1]))
-    return best
-
-
-def _groups(text: Text, names: Sequence[str], numbers: Sequence[int]) -> dict[str, dict[int, int]]:
-    """Joint (from 1) → column, of the columns that are named alike but for the joint: by the rest of the
-    name."""
-    own = {plain(name): j for j, name in enumerate(names, 1)}
-    own |= {name.removesuffix("joint"): j for name, j in own.items()}
-    groups: dict[str, dict[int, int]] = {}
-    for i in numbers:
-        name, bare = text.header[i].lower(), plain(text.header[i])
-        other = "" if unit_of(text, i) else stated(text, i)
-        parts = re.split(r"[/.:\s]+", name)
-        said = {j: part for part in parts for j, one in enumerate(names, 1) if part == one.lower()}
-        if bare in own:
-            groups.setdefault(other, {}).setdefault(own[bare], i)
-        elif said:
-            j, part = next(iter(said.items()))
-            groups.setdefault(name.replace(part, ""), {}).setdefault(j, i)
-        elif match := JOINT.fullmatch(bare):
-            stem = f"{re.sub('[0-9]', '', bare)} {other}"
-            groups.setdefault(stem, {}).setdefault(int(match[1]), i)
-    return {stem: _from_one(columns, len(names)) for stem, columns in groups.items()}
-
-
-def _from_one(columns: Mapping[int, int], n: int) -> dict[int, int]:
-    """The columns of n joints at most; some count from 0."""
-    first = min(1, *columns)
-    return {j + 1 - first: i for j, i in columns.items() if j + 1 - first <= n}
-
-
-def _rank(text: Text, stem: str, columns: Mapping[int, int]) -> tuple[int, bool]:
-    """0: their unit is that of a joint; 1: they state none; 2: another, or another quantity. What was
-    commanded comes before what was read back."""
-    unit, other = unit_of(text, columns[1]), stated(text, columns[1]) or ("/" in stem and "pos" not in stem)
-    return 0 if unit else 2 if other else 1, not re.search("target|cmd|soll", stem)
-
-
-def _windows(text: Text, joints: Sequence[MovingJoint]) -> list[range]:
-    """Columns side by side that may be the joints of a table without a header: those of which most vary and
-    lie within the limits."""
-    n = len(joints)
-    numbers = {i for i, column in enumerate(text.columns) if is_numbers(column) and not counts(column)}
-    windows = [range(i, i + n) for i in sorted(numbers) if numbers.issuperset(range(i, i + n))]
-    varies = {i: text.varies(i) for i in numbers}
-    worth = [
-        sum(varies[i] and within for i, within in zip(one, _within_limits(text, joints, one), strict=True))
-        for one in windows
-    ]
-    return [one for one, value in zip(windows, worth, strict=True) if value == max(worth)]
-
-
-def _joints_of(text: Text, joints: Sequence[MovingJoint], window: range) -> Array:
-    """(rows, n) [rad, m] of columns that may be the joints."""
-    factor = {"deg": np.pi / 180, "rad": 1.0, "mm": 1e-3, "m": 1.0}
-    return np.stack(
-        [
-            factor[_joint_unit(text, joint, index, window)] * text.numbers(index)
-            for joint, index in zip(joints, window, strict=True)
-        ],
-        axis=1,
-    )
-
-
-def _within_limits(text: Text, joints: Sequence[MovingJoint], window: range) -> NDArray[np.bool_]:
-    """(n,) whether a joint would keep to its limits, or next to them."""
-    q = _joints_of(text, joints, window)
-    lower, upper = (np.array([getattr(joint, name) for joint in joints]) for name in ("lower", "upper"))
-    endless = ~np.isfinite(upper - lower)
-    lower, upper = np.where(endless, -ENDLESS, lower), np.where(endless, ENDLESS, upper)
-    slack = BESIDE * (upper - lower)
-    return np.asarray((np.nanmin(q, axis=0) >= lower - slack) & (np.nanmax(q, axis=0) <= upper + slack))
-
-
 def _fitting(
     text: Text, joints: Sequence[MovingJoint], misfit: Misfit
 ) -> tuple[range, list[tuple[int, int, int]]] | None:
     """Columns of joints and of the x, y, z of targets that fit each other; None where none does, or where
     several do."""
     varying = {i for i, column in enumerate(text.columns) if is_numbers(column) and text.varies(i)}
-    windows = _windows(text, joints)
+    side_by_side = windows(text, joints)
     found = list[tuple[float, range, tuple[int, int, int]]]()
-    for window in windows:
-        q = _joints_of(text, joints, window)
+    for window in side_by_side:
+        q = joints_of(text, joints, window)
         for i in sorted(varying):
             place = (i, i + 1, i + 2)
             if not varying.issuperset(place) or not set(window).isdisjoint(place):
@@ -328,6 +240,29 @@ def _fitting(
 def _nameless(text: Text, taken: set[int]) -> set[int]:
     """Columns that name nothing: those that are taken; without a header those that were measured as well."""
     return taken if text.header else {*taken, *measured(text)}
+
+
+def _identity(text: Text, taken: set[int], poses: Sequence[str]) -> int | None:
+    """The column of the pose's name in a table of points: one that holds the names of the `poses`; else as it
+    is called, unless it numbers the points and not the poses."""
+    called = _first(text, POSE, _nameless(text, taken))
+    holding = [
+        i
+        for i, column in enumerate(text.columns)
+        if i not in taken and _hold(column, poses) and (i == called or not counts(column))
+    ]
+    if holding:
+        return called if called in holding else holding[0]
+    return None if called is not None and poses and counts(text.columns[called]) else called
+
+
+def _hold(column: Sequence[str], poses: Sequence[str]) -> bool:
+    """Whether most cells are names of poses, and most poses have one."""
+    names = set(poses)
+    return (
+        sum(cell in names for cell in column) >= NAMING * len(column)
+        and len(names.intersection(column)) >= NAMED * len(names) > 0
+    )
 
 
 def _first(text: Text, names: Sequence[str], taken: set[int], before: int | None = None) -> int | None:

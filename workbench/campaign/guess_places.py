@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from .file import QUATERNION
-from .guess_text import LENGTHS, Array, Text, counts, is_numbers, plain, unit_of
+from .guess_text import LENGTHS, Array, Text, counts, is_numbers, odd_cell, plain, unit_of
 
 Triple = tuple[int, int, int]
 
@@ -18,6 +18,7 @@ FEWEST = 8  # rows that say whether two places are on one arm
 STILL = 1e-3  # of its distance: less moves what stands on the base
 SAME, RIGID = 0.01, 0.05  # of what places vary by: two targets are farther apart, and as far in all poses
 TURN = 0.01  # that the length of a quaternion is off 1
+ANGLES = ("rx", "ry", "rz"), ("rotx", "roty", "rotz"), ("roll", "pitch", "yaw"), ("a", "b", "c")
 OTHER = re.compile(
     r"[dusrnv]|\w*(nom|soll|theo|ref|cad|cmd|dev|abw|diff|delta|err|unc|unsich|sig|std|rms|tol|rot|ori|ang"
     r"|quat|norm|vel)\w*"
@@ -43,6 +44,9 @@ def places_of(text: Text) -> tuple[dict[str, Triple], str]:
             names = " and ".join(_called(text, place) for place in whole.values())
             return {}, f"{names} are not targets on one arm: say which is what was measured"
         whole = measured
+    if not whole:
+        named = _triples(text, range(len(text.columns))).values()
+        return {}, next((odd for place in named if (odd := odd_cell(text, place))), "")
     if len(whole) == 1:
         return {"": next(iter(whole.values()))}, ""
     return {f"T{name}" if name.isdigit() else name.upper(): place for name, place in whole.items()}, ""
@@ -106,26 +110,39 @@ def _turn_with(text: Text, place: Triple) -> int | None:
         if 0 <= i < len(text.columns) and is_numbers(text.columns[i]):
             name = plain(text.header[i])
             length = np.linalg.norm(np.column_stack([xyz, text.numbers(i)]), axis=1)
-            if "w" in (name[:1], name[-1:]) and (np.abs(length[np.isfinite(length)] - 1) < TURN).all():
+            scalar = name == "q0" or "w" in (name[:1], name[-1:])
+            if scalar and (np.abs(length[np.isfinite(length)] - 1) < TURN).all():
                 return i
     return None
 
 
 def quaternion(text: Text) -> dict[str, str | int]:
-    """Columns of a 6-D measurement by their names, which say where the scalar is: qw ... qz, or q0 ... q3, or
-    x, y, z, w of length 1."""
-    numbers = [i for i in range(len(text.header)) if is_numbers(text.columns[i])]
-    by_name = {plain(text.header[i]): i for i in numbers}
-    for names in (QUATERNION, ("q0", "q1", "q2", "q3")):
-        if set(names) <= by_name.keys():
-            return {our: text.name(by_name[name]) for our, name in zip(QUATERNION, names, strict=True)}
+    """Columns of a 6-D measurement by their names."""
+    return {our: text.name(i) for our, i in zip(QUATERNION, _turn(text), strict=False)}
+
+
+def _turn(text: Text) -> tuple[int, ...]:
+    """Columns w, x, y and z of a quaternion, whose names say where the scalar is: qw ... qz, q0 ... q3, or
+    x, y, z beside w or q0, of length 1; none where there is none, or several are."""
     if not text.header:
-        return {}
+        return ()
+    numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
+    called = [plain(name) for name in text.header]
+    for names in (QUATERNION, ("q0", "q1", "q2", "q3")):
+        if all(called.count(name) == 1 and called.index(name) in numbers for name in names):
+            return tuple(called.index(name) for name in names)
     turns = [
         (w, *place) for place in _triples(text, numbers).values()
         if (w := _turn_with(text, place)) is not None
     ]  # fmt: skip
-    return {our: text.name(i) for our, i in zip(QUATERNION, turns[0], strict=True)} if len(turns) == 1 else {}
+    return turns[0] if len(turns) == 1 else ()
+
+
+def angles(text: Text) -> str:
+    """What the angles of a 6-D measurement are called, unless its turn is stated as a quaternion."""
+    by_name = {plain(text.header[i]): text.header[i] for i in range(len(text.columns)) if text.header}
+    found = next((names for names in ANGLES if set(names) <= by_name.keys()), ())
+    return "" if _turn(text) else ", ".join(by_name[name] for name in found)
 
 
 def measured(text: Text) -> set[int]:

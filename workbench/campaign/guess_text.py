@@ -32,12 +32,13 @@ UNITS = {
         "cm": "cm centimeter centimeters centimetre centimetres",
         "um": "um µm μm micrometer micrometers micron microns",
         "in": 'in inch inches zoll "',
-        "deg": "deg ° degree degrees",
+        "deg": "deg ° degree degrees grad",
         "rad": "rad radian radians",
         "mrad": "mrad",
     }.items()
     for word in words.split()
 }
+TREE = re.compile(r"\s*(<\?xml|<\w+\s[^<>]*=|\{\s*\"|\[\s*\{)")
 LENGTHS = tuple(unit for unit, known in table_units.UNITS.items() if known.dimension == "length")
 BEHIND = rf"[ _.-]+({'|'.join([*dict.fromkeys(UNITS.values()), '°'])})\s*$"  # a name, as its unit
 STATED = re.compile(r"\bunits?\b\W+(\w+)", re.I)  # of all columns, above the table
@@ -100,6 +101,10 @@ def any_text(path: Path) -> tuple[str, dict[str, Any]]:
 def read(path: Path) -> Text:
     """The table in a file. Raises `InputError` where it cannot be read."""
     text, keys = any_text(path)
+    if TREE.match(text):
+        raise InputError(
+            Fault(str(path), "is XML or JSON, no table", "write a line per row, its numbers side by side")
+        )
     mark = next((m[1] for line in text.splitlines()[:20] if (m := COMMENT.match(line))), "")
     numbered = content(text, Layout(comment=mark))
     if not numbered:
@@ -189,20 +194,32 @@ def _has_comma(cell: str) -> bool:
     )
 
 
-def _columns_of(lines: list[str], separator: str) -> tuple[float, int]:
-    """How well a separator divides all lines alike, and into how many; blanks come last."""
+def _columns_of(lines: list[str], separator: str) -> tuple[float, bool, int]:
+    """How well a separator divides all lines alike, and into how many; tabs come first, as blanks may stand
+    between them, and blanks last."""
     try:
         widths = [len(cells(line, separator)) for line in lines[:200]]
     except (ValueError, csv.Error):
-        return 0.0, 0
+        return 0.0, False, 0
     most = max(set(widths), key=widths.count)
-    return (widths.count(most) / len(widths), most) if most > 1 else (0.0, 0)
+    if most == 1:
+        return 0.0, False, 0
+    return widths.count(most) / len(widths), separator == "\t", most
 
 
 def is_numbers(column: Sequence[str]) -> bool:
     """Whether nothing else stands in it, and one does."""
     said = [cell for cell in column if cell.lower() not in ABSENT]
     return bool(said) and all(map(_is_number, said))
+
+
+def odd_cell(text: Text, indices: Iterable[int]) -> str:
+    """What keeps columns from being numbers: the first cell that is none; nothing where all are."""
+    for i in indices:
+        for cell in text.columns[i]:
+            if cell.lower() not in ABSENT and not _is_number(cell):
+                return f"{text.header[i]} holds {cell!r}, which is no number"
+    return ""
 
 
 def stated(text: Text, index: int) -> str:

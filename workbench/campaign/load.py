@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -87,6 +88,9 @@ def joined(path: Path, file: CampaignFile, robot: Robot, poses: Table, points: T
     Raises `InputError`; `NotInOrder` where there is nothing to join the points by.
     """
     number_poses(poses)
+    if not len(points):
+        what = "not one point was seen: x, y and z are empty in every row"
+        raise InputError(Fault(str(points.path), what, "are `columns` right?"))
     in_order = "pose_id" not in points.texts
     if in_order and not number_points(points, poses):
         raise NotInOrder
@@ -137,4 +141,6 @@ def _no_match(poses: Table, points: Table) -> list[Fault]:
         "both tables name a pose by the same pose_id; where `columns` leave it out, poses count from 1, and "
         "points stand in the order of the poses"
     )
+    if any(part in told for name in seen[:1] for part in re.split(r"[\W_]+", name)):
+        mend = "name poses alike in both; part names that hold pose and target into two columns"
     return [Fault(str(points.path), what, mend)]

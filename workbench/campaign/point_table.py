@@ -11,9 +11,10 @@ from ..files.faults import Fault, InputError, read_text
 from ..files.tables import Column, Layout, Table, parse_table, read_table
 from ..robot import rotations
 from .assemble import ONLY, some
-from .file import QUATERNION, CampaignFile, point_columns
+from .file import QUATERNION, UNSEEN, CampaignFile, point_columns
 
 ROUNDED = 0.01  # that a quaternion's length is off 1 by its decimals at most
+XYZ = ("x", "y", "z")
 AXES = ("x_mm", "y_mm", "z_mm")
 WITHOUT_TURNS = "a 6-D measurement is not read beside single reflectors"
 NO_TURNS = "take turned_mm out: all are read as points then, without turns; or leave out the reflectors"
@@ -23,7 +24,7 @@ def read_points(path: Path, file: CampaignFile, place: str, named: bool = False)
     """The points as the campaign's file says; faults are in the table. named: they have to have `pose_id`."""
     layout = file.points
     if not layout.wide:
-        table = read_table(path, layout, point_columns(file, named), place)
+        table = seen_rows(read_table(path, layout, point_columns(file, named), place))
         return table if layout.turned_mm is None else _three_each(table, file, 1e-3 * layout.turned_mm)
     columns = [
         Column("pose_id", text=True, required=named),
@@ -37,7 +38,9 @@ def read_points(path: Path, file: CampaignFile, place: str, named: bool = False)
     for target, places in layout.wide.items():
         mapping = {**layout.columns, **dict(zip(AXES, places, strict=True))}
         own = Layout(**{key: getattr(layout, key) for key in Layout.model_fields} | {"columns": mapping})
-        parts.append(_seen(parse_table(text, path, own, columns, f"{place}.wide.{target}"), target))
+        part = parse_table(text, path, own, columns, f"{place}.wide.{target}")
+        part.texts["target"] = [target] * len(part)
+        parts.append(seen_rows(part, f"of {target} "))
     return _stacked(path, parts)
 
 
@@ -67,23 +70,32 @@ def _three_each(table: Table, file: CampaignFile, arm: float) -> Table:
     return Table(table.path, np.repeat(table.lines, 3), numbers, texts, table.labels, table.units)
 
 
-def _seen(table: Table, target: str) -> Table:
-    """Only the rows in which the target was seen; beside them which of how many, as `row` of `rows`."""
-    if table.faults or not all(axis in table.numbers for axis in "xyz"):
+def seen_rows(table: Table, whose: str = "") -> Table:
+    """Only the rows in which the target was seen; beside them which of how many of it, as `row` of `rows`.
+    whose: the target, where the table is of one."""
+    if table.faults or not all(axis in table.numbers for axis in XYZ):
         return table
-    xyz = np.stack([table.numbers[axis] for axis in "xyz"], axis=1)
-    blank = np.isnan(xyz)
+    blank = np.isnan(np.stack([table.numbers[axis] for axis in XYZ], axis=1))
     partly = np.asarray(blank.any(axis=1) & ~blank.all(axis=1))
-    mend = "give x, y and z, or none of them where it was not seen"
-    table.add_fault_where(partly, "x", f"of {target} is there in part only", mend)
+    for axis, empty in zip(XYZ, blank.T, strict=True):
+        table.add_fault_where(partly & empty, axis, f"{whose}is empty", UNSEEN)
+    names = table.texts.get("target", [""] * len(table))
+    row, count = np.zeros(len(table)), dict[str, int]()
+    for at, name in enumerate(names):
+        row[at] = count.get(name, 0)
+        count[name] = int(row[at]) + 1
     kept = np.flatnonzero(~blank.any(axis=1))
-    texts = {name: [cells[row] for row in kept] for name, cells in table.texts.items()}
-    numbers = {axis: table.numbers[axis][kept] for axis in "xyz"} | {
-        "row": kept.astype(np.float64),
-        "rows": np.full(len(kept), float(len(table))),
-    }
-    texts["target"] = [target] * len(kept)
-    return Table(table.path, table.lines[kept], numbers, texts, table.labels, table.units, [], table.faults)
+    numbers = table.numbers | {"row": row, "rows": np.array([float(count[name]) for name in names])}
+    return Table(
+        table.path,
+        table.lines[kept],
+        {name: values[kept] for name, values in numbers.items()},
+        {name: [cells[at] for at in kept] for name, cells in table.texts.items()},
+        table.labels,
+        table.units,
+        table.unused,
+        table.faults,
+    )
 
 
 def _stacked(path: Path, parts: Sequence[Table]) -> Table:
@@ -110,16 +122,7 @@ def number_points(points: Table, poses: Table) -> bool:
     """Joins points without `pose_id` to the poses in order: the k-th of each target to the k-th pose, a wide
     row to the pose of its row. False where their numbers do not allow it."""
     ids = poses.texts["pose_id"]
-    if (rows := points.numbers.get("row")) is not None:
-        order = [int(row) for row in rows]
-        fits = set(points.numbers["rows"]) == {len(ids)}
-    else:
-        count: dict[str, int] = {}
-        order = []
-        for target in points.texts.get("target", [""] * len(points)):
-            order.append(count.get(target, 0))
-            count[target] = order[-1] + 1
-        fits = set(count.values()) == {len(ids)}
+    fits = set(points.numbers["rows"]) == {len(ids)}
     if fits:
-        points.texts["pose_id"] = [ids[at] for at in order]
+        points.texts["pose_id"] = [ids[int(row)] for row in points.numbers["row"]]
     return fits

@@ -1,13 +1,15 @@
 """The joint positions of a robot program as a table: `template = "rapid"`, `"krl"` ... in `[poses]`.
 
 A row per position, on the line where it begins, so that faults name the program's own lines: its name, then
-its axes in degrees (external ones as they stand). Without names the rows are numbered.
+its axes in degrees, of URScript in radians (external ones as they stand). Without names the rows are
+numbered.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from ..files.faults import Fault, InputError
@@ -29,8 +31,13 @@ _LS = re.compile(
 _LS_FIELD = re.compile(rf"\b([JE])(?:XT)?(\d)\s*[=:]\s*({NUMBER})", re.I)
 _VAL3 = re.compile(r"<Value\b[^<>]*\bj1=[^<>]*>")
 _VAL3_FIELD = re.compile(rf'\bj(\d)="({NUMBER})"')
+_JOINT_LIST = rf"({NUMBER}(?:\s*,\s*{NUMBER}){{{ARM - 1}}})\s*"
+_URSCRIPT = re.compile(rf"(?:\b(\w+)\s*=|\bmove[jl]\s*\()\s*\[\s*{_JOINT_LIST}\]")
+_DRL = re.compile(rf"(?:\b(\w+)\s*=\s*)?\bposj\s*\(\s*{_JOINT_LIST}\)")
+_PULSES = re.compile(r"^///(POSTYPE\s+)?PULSE\b", re.M)
 _TOOL_POSES = re.compile(
-    r"\brobtarget\b|\bE[36]?POS\b|\{\s*X\s+[-+\d]|\bX\s*[:=]\s*[-+.\d]+[\s,m]+Y\s*[:=]", re.I
+    r"\bmove[jlp]\s*\(\s*p\[|=\s*p\[|^///POSTYPE\s+(BASE|ROBOT|M?TOOL|USER)|\bposx\s*\(|\brobtarget\b|\bE[36]?POS\b|\{\s*X\s+[-+\d]|\bX\s*[:=]\s*[-+.\d]+[\s,m]+Y\s*[:=]",
+    re.I | re.M,
 )
 
 
@@ -62,17 +69,26 @@ def _val3(text: str) -> Iterator[Position]:
         yield match.start(), "", [said.get(str(i), "") for i in range(1, ARM + 1)]
 
 
+def _listed(pattern: re.Pattern[str], text: str) -> Iterator[Position]:
+    for match in pattern.finditer(code_of(text, "#")):
+        yield match.start(), match[1] or "", [cell.strip() for cell in match[2].split(",")]
+
+
 PROGRAMS: dict[str, Callable[[str], Iterator[Position]]] = {
     "rapid": _rapid,
     "krl": _krl,
     "ls": _ls,
     "val3": _val3,
+    "urscript": partial(_listed, _URSCRIPT),
+    "drl": partial(_listed, _DRL),
 }
 SAID = {  # how each says them, for messages
     "rapid": "jointtarget p1 := [[0,10,20,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]]; a robtarget says no joints",
     "krl": "{A1 0,A2 -90,A3 90,A4 0,A5 30,A6 0}; E6POS and X, Y, Z, A, B, C say no joints",
     "ls": "P[1]{ GP1: J1= 0.0 deg, ... }, or joints in POSREG.VA; X, Y, Z, W, P, R say no joints",
     "val3": '<Value key="0" j1="0" j2="-90" ... /> of a .dtx; points say no joints',
+    "urscript": "movej([0, -1.57, 1.57, 0, 1.57, 0], ...) or p1 = [...]; p[...] says no joints",
+    "drl": "posj(0, 0, 90, 0, 90, 0); posx says no joints",
 }
 
 
@@ -101,6 +117,10 @@ def program_of(text: str) -> str | None:
     return next((name for name, positions in PROGRAMS.items() if any(True for _ in positions(text))), None)
 
 
-def says_tool_poses(text: str) -> bool:
-    """Whether it looks like a program whose positions are of the tool."""
-    return _TOOL_POSES.search(text) is not None
+def no_joints(text: str) -> str:
+    """Why a text that looks like a program says no joints; nothing where it does not look so."""
+    if _PULSES.search(text):
+        return "its positions are pulses of the motors: write them in degrees, a row per pose"
+    if _TOOL_POSES.search(text):
+        return "its positions are the tool's, which say no joints: export jointtargets (RAPID), axes (KRL)"
+    return ""

@@ -32,7 +32,7 @@ def template_files(
     misfit: [m] of points (N, 3) [m] and the robot at joints (N, n) [rad, m], where both are in one table.
     """
     joints = robot.chain.joints
-    both, carried = None, list[str]()
+    both, carried, names = None, list[str](), list[str]()
     if poses is not None and points is not None and poses.resolve() == points.resolve():
         both = guess_both(poses, joints, misfit)
     columns = [f"q{i}_{'deg' if joint.kind == 'revolute' else 'mm'}" for i, joint in enumerate(joints, 1)]
@@ -47,15 +47,16 @@ def template_files(
     else:
         joints_told = both[0] if both else guess_poses(poses, joints)
         told, carried = _section(poses, folder, joints_told), joints_told.payloads
+        names = joints_told.ids
     if points is None:
         files[Path("points.csv")] = POINTS
         seen, targets = _POINTS, ["T1"]
     else:
-        guessed = both[1] if both else guess_points(points)
+        guessed = both[1] if both else guess_points(points, names)
         seen, targets = _section(points, folder, guessed), guessed.targets or ["T1"]
-    names = ", ".join(joint.name for joint in joints)
+    in_order = ", ".join(joint.name for joint in joints)
     filled = {"poses": told, "points": seen, "targets": _targets(targets), "payloads": _payloads(carried)}
-    files[Path("campaign.toml")] = _TOML.format(robot=robot.name, joints=names, **filled)
+    files[Path("campaign.toml")] = _TOML.format(robot=robot.name, joints=in_order, **filled)
     return files
 
 
@@ -90,7 +91,8 @@ def _section(table: Path, folder: Path, guessed: Guessed) -> str:
     if guessed.lacking:
         has = f"; the file has: {', '.join(filter(None, guessed.header))}" if guessed.header else ""
         why = f" ({guessed.why})" if guessed.why else ""
-        lines.append(f"{LACKING}{', '.join(guessed.lacking)}{why}{has}. Say them under columns.")
+        say = " Say them under columns." if guessed.header or guessed.keys else ""
+        lines.append(f"{LACKING}{', '.join(guessed.lacking)}{why}{has}.{say}")
     return "\n".join(lines)
 
 

@@ -236,9 +236,9 @@ names are mapped in [campaign.toml](campaign.md).
 """
 _POINTS = """
 A row per shot of a target, in the instrument's frame. Several rows of one pose and target are shots of one
-standstill. With a single target its column may be left out; without `pose_id` the points are joined to the
-poses in order, if there are as many. Targets side by side are read with `wide`, a 6-D measurement with
-`turned_mm` in [campaign.toml](campaign.md).
+standstill; a row with x, y and z empty is a point that was not seen. With a single target its column may be
+left out; without `pose_id` the points are joined to the poses in order, if there are as many. Targets side by
+side are read with `wide`, a 6-D measurement with `turned_mm` in [campaign.toml](campaign.md).
 """
 _PATH = """
 A row per sample: time, and either joints, or tool poses in the base frame as quaternion `qw` ... or as KUKA's

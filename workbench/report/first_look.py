@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..campaign.flange_load import external_forces
+from ..campaign.standing_still import stands_still
 from ..diagnosis.first_look import SUSPICIOUS, FirstLook
 from ..files.digest import digests
 from ..robot.description import Robot
@@ -123,10 +124,12 @@ def _listed(look: FirstLook, bad: NDArray[np.int64]) -> list[str]:
     for i, target in enumerate(look.campaign.targets):
         own, all_of_it = bad[look.target[bad] == i], int((look.target == i).sum())
         if len(own) > max(MOSTLY * all_of_it, 1):
+            mend = "are its x, y, z those of a target there? else mend its columns, or leave it out"
+            if on_base := stands_still(look.campaign, i):
+                mend = f"it stands still while the arm moves: {on_base}"
             said.append(
                 f"{target.name}: {len(own)} of its {all_of_it} points, {mm[own].min():.1f} to "
-                f"{mm[own].max():.1f} mm off; are its x, y, z those of a target there? else mend its "
-                "columns, or leave it out"
+                f"{mm[own].max():.1f} mm off; {mend}"
             )
             bad = bad[look.target[bad] != i]
     said += [f"pose {look.names[i]}: {mm[i]:.1f} mm off" for i in bad[:LISTED]]

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...campaign.problem import Problem
+from ...campaign.standing_still import stands_still
 from ...effects.base import short
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
@@ -283,6 +284,8 @@ def _stray(problem: Problem, found: Plausible) -> tuple[str, str]:
     if more:
         what = f"the points of {' and '.join([first, *more])} fit the robot, but not together ({off})"
         return what, "are they in one frame? mend the columns of one, or leave it out"
+    if mend := stands_still(problem.campaign, found.strays[0]):
+        return f"the points of {first} stand still while the arm moves", mend
     what = f"the points of {first} do not fit the robot that the others fit ({off})"
     return (
         what,
