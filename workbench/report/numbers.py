@@ -193,8 +193,8 @@ def quantity(parameter: Parameter) -> Quantity:
     if not known:
         return Quantity(significant(shown), "", "", chosen.unit, also)
     places = _places(1.96 * std * chosen.factor)
-    if value:  # of a value that its interval is wider than the first digit stays, if it is the next
-        places = max(places, min(places + 1, -math.floor(math.log10(abs(shown)))))
+    if 0.5 <= abs(shown) * 10.0**places < 1.0:  # it would be rounded up to what it is not
+        places += 1
     low, high = (_rounded(end * chosen.factor, places) for end in parameter.interval)
     return Quantity(_rounded(shown, places), low, high, chosen.unit, also)
 
