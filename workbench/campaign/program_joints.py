@@ -36,7 +36,10 @@ _URSCRIPT = re.compile(rf"(?:\b(\w+)\s*=|\bmove[jl]\s*\()\s*\[\s*{_JOINT_LIST}\]
 _DRL = re.compile(rf"(?:\b(\w+)\s*=\s*)?\bposj\s*\(\s*{_JOINT_LIST}\)")
 _PULSES = re.compile(r"^///(POSTYPE\s+)?PULSE\b", re.M)
 _TOOL_POSES = re.compile(
-    r"\bmove[jlp]\s*\(\s*p\[|=\s*p\[|^///POSTYPE\s+(BASE|ROBOT|M?TOOL|USER)|\bposx\s*\(|\brobtarget\b|\bE[36]?POS\b|\{\s*X\s+[-+\d]|\bX\s*[:=]\s*[-+.\d]+[\s,m]+Y\s*[:=]",
+    r"\bmove[jlp]\s*\(\s*p\[|=\s*p\["  # URScript
+    r"|^///POSTYPE\s+(BASE|ROBOT|M?TOOL|USER)"  # JBI
+    r"|\bposx\s*\("  # DRL
+    r"|\brobtarget\b|\bE[36]?POS\b|\{\s*X\s+[-+\d]|\bX\s*[:=]\s*[-+.\d]+[\s,m]+Y\s*[:=]",
     re.I | re.M,
 )
 
