@@ -19,6 +19,10 @@ from ..robot.kinematics import Array
 from .meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, upright, with_panel
 
 SCENE_POINTS = 6000  # at most
+WHOLE, ABOVE = (
+    1.4,
+    0.25,
+)  # of what the links' frames span: room for an arm in the view, and what rises above these
 ARROW_LENGTH = 0.13  # of the scene's size: the length of a large nominal error's arrow
 
 
@@ -87,9 +91,12 @@ def _data(shown: Shown, links: Array, view: Array) -> dict[str, Any]:
     step = max(1, -(-len(points) // SCENE_POINTS))
     pose = np.arange(len(points)) if shown.pose is None else shown.pose
     target = np.zeros(len(points), dtype=np.int64) if shown.target is None else shown.target
-    seen = np.concatenate([points @ view, links])
+    tall = float(np.ptp(links[:, 2]))
+    above = links + np.array([0.0, 0.0, ABOVE * tall])
+    seen = np.concatenate([points @ view, links, above])
     low, high = seen.min(axis=0), seen.max(axis=0)
-    extent = float(np.linalg.norm(high - low)) * (1.0 if len(points) else 1.4) or 1.0
+    extent = float(np.linalg.norm(high - low)) * (1.0 if len(points) else WHOLE) or 1.0
+    extent = max(extent, WHOLE * (1 + ABOVE) * tall)  # the arm is whole where points are in a corner
     sizes = np.linalg.norm(next(iter(shown.stages.values())), axis=1)
     large = float(np.quantile(sizes, 0.98)) if len(sizes) else 1e-3
     return {
