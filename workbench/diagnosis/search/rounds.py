@@ -136,7 +136,7 @@ def _converged(
 ) -> Round:
     """The likeliest set, found again at its own fit until it stays; of sets that do not stay,
     or predict clearly worse than another did, the one that predicts best what it did not see, its causes by
-    their own forms. scatters: joints may.
+    their own forms. scatters: joints may; rounds: at most.
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves

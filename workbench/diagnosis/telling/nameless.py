@@ -69,7 +69,7 @@ def _with_names(components: Sequence[Component], share: Shares) -> tuple[Rival, 
     """The causes that could be what has no name, likeliest first."""
     causes = [(p, components[k]) for k, p in share.items() if k is not None and not components[k].nameless]
     return tuple(
-        Rival(*one.key, p, one.effect.called if one.effect else "")
+        Rival(*one.key, p, one.called)
         for p, one in sorted(causes, key=lambda cause: -cause[0])
         if p >= PRIORS.faintest_rival
     )

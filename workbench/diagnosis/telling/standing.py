@@ -46,7 +46,7 @@ def standing(selection: Selection, effect: Effect) -> Standing:
     others = sorted(((p, k) for k, p in share.items() if k is not None and k != index), reverse=True)
     for p, k in others:
         component = selection.components[k]
-        rival = Rival(*component.key, p, component.effect.called if component.effect else "")
+        rival = Rival(*component.key, p, component.called)
         close = raised[k] >= (1 - PRIORS.by_data) * total
         worth_a_word = close or (covered < PRIORS.listed and p >= PRIORS.faintest_rival)
         if (rival.cause, rival.where) != effect.key:

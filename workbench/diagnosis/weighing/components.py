@@ -129,6 +129,11 @@ class Component:
         return next((effect for form in self.forms for effect in form.effects), None)
 
     @property
+    def called(self) -> str:
+        """What the field calls it, where its cause does not say it."""
+        return self.effect.called if self.effect else ""
+
+    @property
     def pure(self) -> bool:
         """Whether some of its kind are quite true to their form."""
         return any(effect.pure for form in self.forms for effect in form.effects)
