@@ -14,7 +14,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 help:
 	@echo "make demo      the whole loop on a simulated KR 500, results in reports/demo"
 	@echo "make example   the page, report and scene of the demo that are kept in reports/example"
-	@echo "make test      the tests (about 12 minutes on two cores)"
+	@echo "make test      the tests (about 13 minutes on two cores)"
 	@echo "make test-all  the tests and the slow studies"
 	@echo "make fuzz      20,000 spoilt inputs, what came of them in docs/robustness.md (a quarter of an hour)"
 	@echo "make lint types bench models lock clean"
