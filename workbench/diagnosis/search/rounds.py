@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 
@@ -116,10 +115,7 @@ def converged(
         less = _begun(geometry, [*sided, wandering])
         if alike(less.noise, begun.noise):
             continue
-        search = partial(_converged, geometry, Begun(less), candidates, noise_dof, noise_known)
-        if not search(rounds=1).in_time:  # most of what wanders is seen at once where nothing hides it
-            continue
-        other = search()
+        other = _converged(geometry, Begun(less), candidates, noise_dof, noise_known, wanders=True)
         if other.in_time and other.evidence(stated) > found.evidence(stated) + LIKELIER:
             found = other
     return found
@@ -132,11 +128,12 @@ def _converged(
     noise_dof: float,
     noise_known: bool,
     scatters: bool = True,
-    rounds: int = ROUNDS,
+    wanders: bool = False,
 ) -> Round:
     """The likeliest set, found again at its own fit until it stays; of sets that do not stay,
     or predict clearly worse than another did, the one that predicts best what it did not see, its causes by
-    their own forms. scatters: joints may; rounds: at most.
+    their own forms. scatters: joints may; wanders: it ends with the first round where
+    that finds nothing in time: most of what wanders is seen at once where nothing hides it.
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
@@ -149,7 +146,7 @@ def _converged(
     base, whole, errors, before = geometry.noise, at, list[float](), set(at.model.effects)
     stated = base
     best = None
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         lines = _with_lines(whole, lines)
         steps = list(likely_steps(whole.lasting))
         competition = _competition(at, candidates, lines, steps, base, noise_dof)
@@ -179,7 +176,8 @@ def _converged(
             best = now
         at = after
         del competition, now  # the columns of all components take much room
-        if settled or _no_better(errors):
+        nothing = wanders and len(errors) == 1 and not best.in_time
+        if settled or nothing or _no_better(errors):
             break
     assert best is not None, "no round"
     return best
