@@ -80,7 +80,7 @@ def said_of(comparison: Comparison) -> dict[str, Any]:
     return {
         "title": comparison.title,
         "headline": comparison.headline,
-        "clauses": comparison.headline.removesuffix(comparison.elsewhere).rstrip(" .").split("; "),
+        "clauses": comparison.said.removesuffix(".").split("; "),
         "elsewhere": comparison.elsewhere,
         "verdict": "changed" if comparison.changed else "unchanged",
         "campaigns": [[c, str(n)] for c, n in zip(comparison.campaigns, comparison.n_poses, strict=True)],

@@ -75,14 +75,14 @@ def _assembled(decided: Decided, inputs: Mapping[str, str], notes: Sequence[str]
     first = system.occasions[0].problem
     other, zeros = beside_the_robot(system, beside), hidden_zeros(decided)
     said = headline(changes, bound, other, changed, zeros, nominal, beside[-1].label)
-    elsewhere = _apart_in_posture(system)
     return Comparison(
         first.robot.name,
         first.robot.title,
         tuple(one.label for one in system.occasions),
         tuple(len(one.problem.q) for one in system.occasions),
         changed,
-        f"{said} {elsewhere}".strip(),
+        said,
+        _apart_in_posture(system),
         changes,
         bound,
         nominal,
@@ -93,7 +93,6 @@ def _assembled(decided: Decided, inputs: Mapping[str, str], notes: Sequence[str]
         tuple(tracks(decided)),
         (*notes, *_notes(decided)),
         inputs,
-        elsewhere,
     )
 
 

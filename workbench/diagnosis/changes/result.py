@@ -240,17 +240,19 @@ class Track:
 class Comparison:
     """What changed between campaigns of one robot.
 
-    headline: ends with `elsewhere`, which campaigns were hardly compared, if any. changed: whether the robot
-    did, with a probability of 0.95 or more. within_mm: 95 % bound of what all other changes of geometry
-    together make of the points in the poses of all campaigns (RMS, frame and targets fitted anew).
-    nominal_mm: RMS that the nominal robot is off. inputs: "<folder>/<file>" → SHA-256."""
+    said: what changed and what did not, in a sentence; elsewhere: of which campaigns hardly a pose was
+    compared, if any. changed: whether the robot did, with a probability of 0.95 or more. within_mm: 95 %
+    bound of what all other changes of geometry together make of the points in the poses of all campaigns
+    (RMS, frame and targets fitted anew). nominal_mm: RMS that the nominal robot is off. inputs:
+    "<folder>/<file>" → SHA-256."""
 
     robot: str
     title: str
     campaigns: tuple[str, ...]
     n_poses: tuple[int, ...]
     changed: bool
-    headline: str
+    said: str
+    elsewhere: str
     changes: tuple[Change, ...]
     within_mm: float
     nominal_mm: float
@@ -261,7 +263,11 @@ class Comparison:
     chart: tuple[Track, ...]
     notes: tuple[str, ...]
     inputs: Mapping[str, str] = field(default_factory=dict)
-    elsewhere: str = ""
+
+    @property
+    def headline(self) -> str:
+        """All of it in one line."""
+        return f"{self.said} {self.elsewhere}".strip()
 
     @property
     def bounded(self) -> bool:
