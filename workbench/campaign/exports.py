@@ -6,9 +6,10 @@ pose; the other lists name one point per pose. Whatever differs is said beside t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
-from .program_joints import PROGRAMS
+from .program_joints import ARM, PROGRAMS
 
 _GROUPS = {
     "header": False,
@@ -27,11 +28,14 @@ EXPORTS: dict[str, dict[str, Any]] = {
 _RADIANS = ("urscript",)  # of programs; the others state degrees
 
 
-def _program(name: str) -> dict[str, Any]:
-    """The layout of what `program_joints` makes of a program."""
-    unit = "rad" if name in _RADIANS else "deg"
-    axes = {f"q{i}_{unit}": i + 1 for i in range(1, 7)}
-    return {"header": False, "separator": ",", "columns": {"pose_id": 1, **axes}}
+def program_columns(name: str, sliding: Sequence[bool]) -> dict[str, str | int]:
+    """The columns of what `program_joints` makes of a program; sliding: of each joint, whether it does."""
+    turning = "rad" if name in _RADIANS else "deg"
+    units = ["mm" if slides else turning for slides in sliding]
+    return {"pose_id": 1, **{f"q{i}_{unit}": i + 1 for i, unit in enumerate(units, 1)}}
 
 
-PROGRAM_EXPORTS = {name: _program(name) for name in PROGRAMS}
+PROGRAM_EXPORTS: dict[str, dict[str, Any]] = {
+    name: {"header": False, "separator": ",", "columns": program_columns(name, [False] * ARM)}
+    for name in PROGRAMS
+}

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..robot.chain import MovingJoint
+from .exports import program_columns
 from .guess_joints import joint_columns, joint_unit, joints_of, odd_joint, windows
 from .guess_places import angles, measured, places_of, quaternion
 from .guess_text import (
@@ -87,9 +88,9 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
 def _of_program(program: str, keys: Mapping[str, Any], joints: Sequence[MovingJoint]) -> Guessed:
     """Keys for a robot program: its template, and the columns where they are not those of six axes."""
     found = Guessed({"template": program, **keys})
-    if len(joints) != ARM or any(joint.kind == "prismatic" for joint in joints):
-        units = ["mm" if joint.kind == "prismatic" else "deg" for joint in joints]
-        found.keys["columns"] = {"pose_id": 1, **{f"q{i}_{unit}": i + 1 for i, unit in enumerate(units, 1)}}
+    sliding = [joint.kind == "prismatic" for joint in joints]
+    if len(joints) != ARM or any(sliding):
+        found.keys["columns"] = program_columns(program, sliding)
     return found
 
 
