@@ -19,10 +19,8 @@ from ..robot.kinematics import Array
 from .meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, upright, with_panel
 
 SCENE_POINTS = 6000  # at most
-WHOLE, ABOVE = (
-    1.4,
-    0.25,
-)  # of what the links' frames span: room for an arm in the view, and what rises above these
+WHOLE = 1.4  # of what the links' frames span: room for a whole arm in the view
+ABOVE = 0.25  # of their height: what an arm has above them
 ARROW_LENGTH = 0.13  # of the scene's size: the length of a large nominal error's arrow
 
 
