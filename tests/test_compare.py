@@ -46,11 +46,11 @@ from workbench.diagnosis.changes.system import (
 from workbench.diagnosis.changes.words import headline, moved_by
 from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.weighing.chosen import Member
-from workbench.diagnosis.weighing.patterns import Products
 from workbench.diagnosis.weighing.reduced import without_background
 from workbench.effects.place import Parameter, Where
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
+from workbench.identification.patterns import Products
 from workbench.report.comparison import _places, said_of
 
 DATA = Path(__file__).parents[1].parent / "shared" / "data"

@@ -13,7 +13,6 @@ from workbench.diagnosis.weighing.chosen import Chosen, Member
 from workbench.diagnosis.weighing.components import Component, Form, bare
 from workbench.diagnosis.weighing.forms import Forms
 from workbench.diagnosis.weighing.gram import Stored
-from workbench.diagnosis.weighing.patterns import Pattern
 from workbench.diagnosis.weighing.reduced import Reduced
 from workbench.diagnosis.weighing.remainder import beyond_forms, remainder
 from workbench.diagnosis.weighing.sets import Competition
@@ -26,6 +25,7 @@ from workbench.effects.link_mass import LinkMass
 from workbench.effects.place import Where
 from workbench.effects.records import parse_effect
 from workbench.identification.fit import refit
+from workbench.identification.patterns import Pattern
 
 CREEP = 0.27  # of the campaign: a time constant that is none of those tried
 

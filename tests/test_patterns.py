@@ -7,8 +7,9 @@ from workbench import Truth, load_robot, planned, random_poses, simulate
 from workbench.diagnosis.candidates import testable as all_that_may_be
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.weighing.components import cause_components, nameless_components, sized
-from workbench.diagnosis.weighing.patterns import BLOCK, once, pattern_of, products_of
 from workbench.effects.unnamed import unnamed
+from workbench.identification.fit import ROUGH, refit
+from workbench.identification.patterns import BLOCK, once, products_of
 
 
 @pytest.fixture(scope="module", params=["cylindrical", "ur5"])
@@ -31,7 +32,7 @@ def patterns(prepared):
 def test_a_pattern_has_the_columns_of_its_effect(prepared):
     fit, (candidates, _) = prepared.geometry, all_that_may_be(prepared.problem)
     effects = [*candidates, *unnamed(prepared.problem)]
-    along = [pattern_of(fit, effect) for effect in effects]
+    along = [fit.pattern(effect) for effect in effects]
     assert 0 < sum(pattern.motion is None for pattern in along) < len(along)
     for effect, pattern in zip(effects, along, strict=True):
         whole = fit.whitened(effect)
@@ -54,6 +55,24 @@ def test_products_are_those_of_the_whole_columns(prepared, patterns):
     assert (np.abs(GG - G.T @ G) <= 1e-12 * np.outer(scale, scale)).all()
     assert (np.abs(found.JG[:, of] * size - J.T @ G) <= 1e-12 * np.outer(own, scale)).all()
     assert (np.abs(found.Ge[of] * size - G.T @ e) <= 1e-12 * scale * np.linalg.norm(e)).all()
+
+
+def test_the_derivatives_of_a_fit_are_what_it_is_solved_by(prepared):
+    """Those of effects of all kinds, and of some poses alone."""
+    effects = [effect for effect in all_that_may_be(prepared.problem)[0] if effect.whole][::3]
+    fit = refit(prepared.geometry, effects, ROUGH)
+    change, some = np.random.default_rng(0).normal(size=len(fit.columns.names)), np.arange(50, 10, -3)
+    for effect, part, values in zip(effects, fit.columns.effect, fit.state.values, strict=True):
+        whole = np.matmul(fit.whitener, fit.model.effect_jacobian(fit.line, effect, values))
+        np.testing.assert_allclose(fit.J[:, :, part], whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
+    for J, poses in ((fit.normal.J, np.arange(60)), (fit.normal.J.some(some), some)):
+        r, rows = fit.r[poses], fit.J[poses].reshape(-1, len(change))
+        A, g = J.squares(r)
+        scale = np.linalg.norm(rows, axis=0)
+        assert (np.abs(A - rows.T @ rows) <= 1e-12 * np.outer(scale, scale)).all()
+        assert (np.abs(g - rows.T @ r.ravel()) <= 1e-12 * scale * np.linalg.norm(r)).all()
+        np.testing.assert_allclose(J.onto(r), g, rtol=1e-9, atol=1e-12 * np.abs(g).max())
+        np.testing.assert_allclose(J.times(change).ravel(), rows @ change, rtol=1e-9, atol=1e-9)
 
 
 def test_nothing_has_no_products(prepared):

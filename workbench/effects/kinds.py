@@ -30,9 +30,8 @@ class DirectEffect(Effect):
         """Column 6 · slot + component → (N, p) motion [m, rad] per unit of each parameter."""
 
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
-        own = self.motion(problem).items()
-        each = (line.direct[:, :, column, None] * basis[:, None, :] for column, basis in own)
-        return sum(each, start=np.zeros((1, 1, 1)))
+        motion = self.motion(problem)
+        return np.asarray(np.matmul(line.direct[:, :, list(motion)], np.stack([*motion.values()], axis=1)))
 
 
 class TransmissionEffect(DirectEffect):

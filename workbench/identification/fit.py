@@ -20,11 +20,13 @@ from ..effects.base import Effect
 from ..robot.equilibrium import NoRest
 from ..robot.kinematics import Array
 from .gauss_newton import Normal
+from .jacobian import Jacobian
 from .model import Linearisation, Model, State
 from .noise import Covariance, body_motion, required_noise
 from .parameters import Columns, columns
+from .patterns import Pattern
 from .registration import register
-from .rows import Equations, Place, equations, fitted_numbers, jacobian, moved, whitening
+from .rows import Amounts, Equations, Place, amounts_of, equations, fitted_numbers, jacobian, moved, whitening
 
 CORRECTIONS = 4  # of a step, until it follows the valley it goes along
 TOLERANCE = 1e-2  # standard deviations, all numbers together
@@ -64,7 +66,7 @@ class Fit:
     @property
     def J(self) -> Array:
         """(N, D, P) whitened Jacobian."""
-        return self.normal.J.reshape(*self.r.shape, -1)
+        return self.normal.J.columns
 
     @cached_property
     def upper(self) -> Array:
@@ -75,14 +77,15 @@ class Fit:
     def own_axes(self) -> Array:
         """(N, D, P) whitened Jacobian along axes on which its numbers, the priors counted in, are known to 1:
         what it takes of whitened columns are their products with these."""
-        J = self.normal.J * self.columns.prior
+        J = self.normal.J.rows * self.columns.prior
         taken = solve_triangular(self.upper, J.T, trans="T", check_finite=False)
         return np.ascontiguousarray(taken.T).reshape(self.J.shape)
 
     @cached_property
-    def motions(self) -> Array:
-        """(N, R, P) Jacobian before whitening."""
-        return jacobian(self.model, self.line, self.columns, self.state, None)
+    def motions(self) -> Jacobian:
+        """Jacobian (N, R, P) before whitening."""
+        amounts = amounts_of(self.model, self.columns)
+        return jacobian(self.model, self.line, self.columns, self.state, None, amounts)
 
     @cached_property
     def lasting(self) -> Fit:
@@ -115,6 +118,14 @@ class Fit:
     def axial(self) -> Array:
         """(N, D, n) whitened motions of the points by each joint's own motion."""
         return np.matmul(self.whitener, self.line.direct[:, :, self.model.problem.arm.axial])
+
+    def pattern(self, effect: Effect) -> Pattern:
+        """The whitened columns of an effect at zero, in the model or not."""
+        own = effect.of_joint(self.model.problem)
+        if own is None:
+            return Pattern(self.whitened(effect))
+        joint, amount = own
+        return Pattern(amount, self.axial[:, :, joint], joint)
 
     def whitened(self, effect: Effect) -> Array:
         """(N, D, p) whitened columns of an effect at zero, in the model or not."""
@@ -217,7 +228,8 @@ def fit(
     place = Place.of(model, start) if line is None else Place(model, start, line.prediction, line)
     W = whitening(problem, place.line, noise)
     at = equations(place, cols, W)
-    normal, damping, converged = _normal(model, cols, at, W), 0.0, False
+    amounts = amounts_of(model, cols)
+    normal, damping, converged = _normal(model, cols, at, W, amounts), 0.0, False
     gains, little = list[float](), ROUGHLY if tolerance >= ROUGH else QUITE
     for iteration in range(max_iterations):
         step = normal.step(damping)
@@ -238,15 +250,14 @@ def fit(
         if iteration < 2:  # the points' motion by the joints, in the noise, hardly changes any more
             W = whitening(problem, at.line, noise)
             at = equations(at.place, cols, W)
-        normal = _normal(model, cols, at, W)
+        normal = _normal(model, cols, at, W, amounts)
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
     end = tolerance > TOLERANCE, iteration + 1, converged, at.cost
     return Fit(model, at.state, cols, noise, at.line, W, normal, at.r, residual, *end)
 
 
-def _normal(model: Model, cols: Columns, at: Equations, W: Array) -> Normal:
-    J = jacobian(model, at.line, cols, at.state, W)
-    return Normal.of(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior)
+def _normal(model: Model, cols: Columns, at: Equations, W: Array, amounts: Amounts) -> Normal:
+    return Normal.of(jacobian(model, at.line, cols, at.state, W, amounts), at.r, at.offset, cols.prior)
 
 
 def _stepped(model: Model, cols: Columns, at: Equations, W: Array, step: Array) -> Equations | None:
@@ -271,7 +282,7 @@ def _along(
     step makes of the residual beyond what the derivatives said is taken back, by the same derivatives (a
     second-order correction: Nocedal, Wright, Numerical Optimization, 2006, 18.3), as long as that helps.
     """
-    aim, change, before = at.r.ravel() - normal.J @ step, step, np.inf
+    aim, change, before = at.r - normal.J.times(step), step, np.inf
     for _ in range(1 + CORRECTIONS):
         new = _stepped(model, cols, at, W, change)
         if new is None or new.cost > before:
@@ -279,7 +290,7 @@ def _along(
         if not _worse(new, at):
             return new
         before = new.cost
-        change = change + normal.towards(new.r.ravel() - aim).step(damping).change
+        change = change + normal.towards(new.r - aim).step(damping).change
     return None
 
 

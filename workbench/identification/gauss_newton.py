@@ -13,13 +13,14 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
 
 from ..robot.kinematics import Array
+from .jacobian import Jacobian
 
 
 @dataclass(frozen=True, eq=False)
 class Normal:
-    """Normal equations of data rows J (R, P), r (R,) and priors, in units of the priors and scaled."""
+    """Normal equations of data rows J (N, D, P), r (N, D) and priors, in units of the priors and scaled."""
 
-    J: Array
+    J: Jacobian
     r: Array
     offset: Array
     prior: Array
@@ -27,10 +28,11 @@ class Normal:
     g: Array
 
     @classmethod
-    def of(cls, J: Array, r: Array, offset: Array, prior: Array) -> Normal:
-        A = (J.T @ J) * np.outer(prior, prior)
+    def of(cls, J: Jacobian, r: Array, offset: Array, prior: Array) -> Normal:
+        A, g = J.squares(r)
+        A *= np.outer(prior, prior)
         A[np.diag_indices_from(A)] += 1.0
-        return cls(J, r, offset, prior, A, (J.T @ r) * prior - offset)
+        return cls(J, r, offset, prior, A, g * prior - offset)
 
     def step(self, damping: float) -> Step:
         """By Cholesky; by QR where the equations are too nearly singular."""
@@ -39,7 +41,7 @@ class Normal:
         try:
             step = scale * cho_solve(cho_factor(M, check_finite=False), scale * self.g)
         except np.linalg.LinAlgError:
-            step = full_step(self.J, self.r, self.offset, self.prior, damping)[0] / self.prior
+            step = self._by_qr(damping)[0]
         return Step(step * self.prior, float(np.sqrt(max(float(step @ self.A @ step), 0.0))))
 
     def gain(self, change: Array) -> float:
@@ -54,11 +56,26 @@ class Normal:
             scale = np.sqrt(np.diag(self.A))
             with suppress(np.linalg.LinAlgError):
                 return np.asarray(np.linalg.cholesky(self.A / np.outer(scale, scale)).T * scale)
-        return full_step(self.J, self.r, self.offset, self.prior, 0.0)[1]
+        return self._by_qr(0.0)[1]
+
+    def _by_qr(self, damping: float) -> tuple[Array, Array]:
+        """Step, in units of the priors, and triangular factor, by QR of the data's and the priors' rows."""
+        P = len(self.prior)
+        stacked = np.vstack([self.J.rows * self.prior, np.eye(P)])
+        right = np.concatenate([self.r.ravel(), -self.offset])
+        if damping > 0:
+            stacked = np.vstack([stacked, np.sqrt(damping) * np.eye(P)])
+            right = np.concatenate([right, np.zeros(P)])
+        QtR, upper = _qr(stacked, right)
+        return np.asarray(solve_triangular(upper, QtR)), upper
+
+    def of_rows(self, r: Array) -> Normal:
+        """The same for other rows r (N, D)."""
+        return replace(self, r=r, g=self.J.onto(r) * self.prior - self.offset)
 
     def towards(self, r: Array) -> Normal:
-        """The same for other rows r (R,), without the pull of the priors."""
-        return replace(self, r=r, offset=np.zeros_like(self.offset), g=(self.J.T @ r) * self.prior)
+        """The same for other rows r (N, D), without the pull of the priors."""
+        return replace(self, offset=np.zeros_like(self.offset)).of_rows(r)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,18 +84,6 @@ class Step:
 
     change: Array
     length: float
-
-
-def full_step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tuple[Array, Array]:
-    """Step of all numbers and the triangular factor, by QR of the data's and the priors' rows."""
-    P = len(prior)
-    stacked = np.vstack([J * prior, np.eye(P)])
-    right = np.concatenate([r, -offset])
-    if damping > 0:
-        stacked = np.vstack([stacked, np.sqrt(damping) * np.eye(P)])
-        right = np.concatenate([right, np.zeros(P)])
-    QtR, upper = _qr(stacked, right)
-    return np.asarray(solve_triangular(upper, QtR) * prior), upper
 
 
 def _qr(A: Array, b: Array) -> tuple[Array, Array]:

@@ -40,14 +40,14 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] 
     model's effects that are left out, everything else fitted anew. The fits are Gauss–Newton steps from the
     full solution: exact to the second order of the change.
     """
-    cols, plain = result.columns, result.motions
+    cols = result.columns
     out = np.array(result.residual)
     gone = [j for i in without for j in range(*cols.effect[i].indices(len(cols.names)))]
     to = -np.concatenate([np.zeros(0), *(result.state.values[i] for i in without)]) / cols.prior[gone]
     for here, step, inverse in _folds(result, folds, seed):
         held = inverse[:, gone]
         change = step - held @ np.linalg.solve(held[gone], step[gone] - to) if gone else step
-        moved = plain[here] @ (change * cols.prior)
+        moved = result.motions.some(here).times(change * cols.prior)
         out[here] -= moved[:, : 3 * out.shape[1]].reshape(len(here), -1, 3)
     return out
 
@@ -64,12 +64,12 @@ def _folds(result: Fit, folds: int, seed: int) -> list[Fold]:
     if (folds, seed) not in known:
         fold = folds_of(result.model.problem, folds, seed)
         groups = [np.flatnonzero(fold == f).astype(np.int64) for f in range(int(fold.max()) + 1)]
-        A, J = result.upper.T @ result.upper, result.J * result.columns.prior
+        A, prior = result.upper.T @ result.upper, result.columns.prior
         known[folds, seed] = []
         for here in groups:
-            own = J[here].reshape(-1, J.shape[2])
-            inverse = inverse_of(without_rows(A, own))
-            known[folds, seed].append((here, -inverse @ (own.T @ result.r[here].ravel()), inverse))
+            own, right = result.normal.J.some(here).squares(result.r[here])
+            inverse = inverse_of(without_rows(A, own * np.outer(prior, prior)))
+            known[folds, seed].append((here, -inverse @ (right * prior), inverse))
     return known[folds, seed]
 
 
@@ -80,7 +80,7 @@ def inverse_of(A: Array) -> Array:
 
 
 def without_rows(A: Array, own: Array) -> Array:
-    """(P, P) normal equations A less those of the rows own (k, P)."""
-    left = A - own.T @ own
+    """(P, P) normal equations A less those of some rows (P, P)."""
+    left = A - own
     left[np.diag_indices_from(left)] += 1e-12 * np.diag(A)
     return np.asarray(left)

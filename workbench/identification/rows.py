@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,9 +12,13 @@ from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..robot.kinematics import Array
 from ..robot.rotations import from_vectors
+from .jacobian import Jacobian
 from .model import Linearisation, Model, Prediction, State, move_frame
 from .noise import Covariance, whitener
 from .parameters import Columns, body_motion
+from .patterns import Index, Pattern
+
+Amounts = Mapping[int, tuple[Index, Array]]  # of a joint: numbers (p,), its motion by each (N, p)
 
 
 def whitening(problem: Problem, line: Linearisation, noise: Covariance) -> Array:
@@ -124,9 +129,25 @@ def offset_of(model: Model, cols: Columns, state: State) -> Array:
     return out / cols.prior
 
 
-def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: Array | None) -> Array:
-    """(N, D, P) Jacobian, whitened by W (N, D, R); None: as it is (D = R). What effects do of the motions of
-    slots they do of whitened ones as well: these are far fewer than the columns of all effects."""
+def amounts_of(model: Model, cols: Columns) -> Amounts:
+    """Of each joint, what the effects that are errors of its angle without load do to it."""
+    found = dict[int, list[tuple[Index, Array]]]()
+    for effect, part in zip(model.effects, cols.effect, strict=True):
+        own = effect.of_joint(model.problem)
+        if own is not None:
+            found.setdefault(own[0], []).append((np.arange(part.start, part.stop), own[1]))
+    return {
+        joint: (np.concatenate([at for at, _ in each]), np.concatenate([own for _, own in each], axis=1))
+        for joint, each in found.items()
+    }
+
+
+def jacobian(
+    model: Model, line: Linearisation, cols: Columns, state: State, W: Array | None, amounts: Amounts
+) -> Jacobian:
+    """Jacobian (N, D, P), whitened by W (N, D, R); None: as it is (D = R). What effects do of the motions of
+    slots they do of whitened ones as well: these are far fewer than the columns of all effects. amounts: as
+    `amounts_of` has them, which no state changes."""
     setup = model.problem.campaign.poses.setup
     n_poses, rows, _ = line.geometry.shape
     fixed = np.zeros((n_poses, rows, cols.geometry_slice.stop))
@@ -148,17 +169,24 @@ def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: 
         for i, item in enumerate(model.given)
     ]
     effects = [*given, *zip(model.effects, state.values, cols.effect, strict=True)]
+    of_joints = {number for own, _ in amounts.values() for number in own.tolist()}
+    others = [item for item in effects if item[2].start not in of_joints]
+    at = [np.arange(fixed.shape[2]), *(np.arange(part.start, part.stop) for *_, part in others)]
     slopes = line
     if W is not None and effects:
         slopes = replace(line, loaded=np.matmul(W, line.direct), torque=np.matmul(W, line.torque))
-    J = np.empty((n_poses, rows if W is None else W.shape[1], len(cols.names)))
-    J[:, :, : fixed.shape[2]] = fixed if W is None else np.matmul(W, fixed)
-    for effect, values, part in effects:
+    J = np.empty((n_poses, rows if W is None else W.shape[1], sum(map(len, at))))
+    stop = fixed.shape[2]
+    J[:, :, :stop] = fixed if W is None else np.matmul(W, fixed)
+    for (effect, values, _), own in zip(others, at[1:], strict=True):
+        start, stop = stop, stop + len(own)
         if W is None or _by_slopes(effect, model.problem):
-            J[:, :, part] = effect.jacobian(model.problem, slopes, values)
+            J[:, :, start:stop] = effect.jacobian(model.problem, slopes, values)
         else:
-            J[:, :, part] = np.matmul(W, effect.jacobian(model.problem, line, values))
-    return J
+            J[:, :, start:stop] = np.matmul(W, effect.jacobian(model.problem, line, values))
+    motions = slopes.direct[:, :, model.problem.arm.axial]
+    along = [Pattern(own, motions[:, :, j], j) for j, (_, own) in amounts.items()]
+    return Jacobian([Pattern(J), *along], [np.concatenate(at), *(own for own, _ in amounts.values())])
 
 
 def _by_slopes(effect: Effect, problem: Problem) -> bool:

@@ -9,11 +9,11 @@ from scipy.special import logsumexp
 from scipy.stats import norm
 
 from ...effects.place import Parameter
+from ...identification.patterns import Products
 from ...robot.kinematics import Array
 from ..priors import PRIORS
 from ..search.rounds import LOOSE
 from ..telling.power import MANY, POWER
-from ..weighing.patterns import Products
 from ..weighing.reduced import without_background
 from ..weighing.weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape

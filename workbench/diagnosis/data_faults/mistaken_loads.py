@@ -125,8 +125,8 @@ def _left(result: Fit, problem: Problem) -> float:
         return np.inf
     moved = np.where(problem.seen[..., None], result.line.prediction.points - points, 0.0)
     by_points = result.whitener[:, :, : moved[0].size]
-    r = (result.r + np.matmul(by_points, moved.reshape(len(moved), -1, 1))[..., 0]).ravel()
+    r = result.r + np.matmul(by_points, moved.reshape(len(moved), -1, 1))[..., 0]
     if not np.isfinite(r).all():
         return np.inf
-    again = replace(normal, r=r, g=(normal.J.T @ r) * normal.prior - normal.offset)
-    return float(r @ r + normal.offset @ normal.offset - again.gain(again.step(0.0).change))
+    again = normal.of_rows(r)
+    return float((r**2).sum() + normal.offset @ normal.offset - again.gain(again.step(0.0).change))

@@ -318,7 +318,7 @@ def _chi2_with(result: Fit, i: int, other: Effect) -> float:
     """χ² to first order with another form in the place of the model's i-th effect."""
     loose = LOOSE * result.model.problem.coarse
     G = result.whitened(other).reshape(result.r.size, -1) * [loose * p.typical for p in other.params]
-    J, prior, part = result.normal.J, result.columns.prior, result.columns.effect[i]
+    J, prior, part = result.normal.J.rows, result.columns.prior, result.columns.effect[i]
     r = result.r.ravel() + J[:, part] @ result.state.values[i]
     rest = np.delete(np.arange(len(prior)), part)
     across = (J.T @ G * prior[:, None])[rest]

@@ -17,12 +17,12 @@ from scipy.linalg import solve_triangular
 from ...effects.base import Effect
 from ...effects.unnamed import unnamed
 from ...identification.fit import Fit
+from ...identification.patterns import once, products_of
 from ...robot.kinematics import Array
 from ..weighing.by_itself import worth_offering
 from ..weighing.chosen import Chosen
 from ..weighing.components import Component, Form, cause_components, nameless_components, sized
 from ..weighing.gram import Stored
-from ..weighing.patterns import once, products_of
 from ..weighing.reduced import Reduced, explained, less, slices_of
 from ..weighing.screen import effective_dof
 from ..weighing.sets import Competition

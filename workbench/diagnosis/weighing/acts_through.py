@@ -13,9 +13,9 @@ import numpy as np
 
 from ...effects.base import Effect
 from ...identification.fit import Fit
+from ...identification.patterns import Pattern
 from ...robot.kinematics import Array
 from .components import Component, bare
-from .patterns import Pattern
 
 LEFT = 0.3  # of the length of its columns without the other: what keeps less lives by it
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from itertools import accumulate, pairwise
 from operator import mul
 
@@ -19,9 +19,9 @@ from ...campaign.problem import Problem
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
 from ...identification.fit import Fit
+from ...identification.patterns import Pattern
 from ...robot.kinematics import Array
 from ..priors import PRIORS
-from .patterns import Pattern, pattern_of
 
 Key = tuple[str, Where]
 NO_LOAD = 1e-6  # of the largest load in the arm: what bears less does so by rounding, or by a turn of µrad
@@ -172,7 +172,7 @@ def at_once(effects: Sequence[Effect]) -> list[tuple[Effect, ...]]:
 
 def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
     """One component for each cause and place; its variants are its forms. What forms share is there once."""
-    places, pattern = by_key(candidates), cache(partial(pattern_of, fit))
+    places, pattern = by_key(candidates), cache(fit.pattern)
     sites = Counter(cause for cause, _ in places)
     out = []
     for key, effects in places.items():
@@ -256,7 +256,7 @@ def form_of(
     """Effects together as one form, each parameter in its usual size; with the companions that they have in a
     problem (default: the fit's own), or with the rarer ones too. pattern: of an effect at the fit."""
     every = with_companions(fit, effects, about or fit.model.problem, rarer)
-    patterns = tuple((pattern or partial(pattern_of, fit))(effect) for effect, _ in every)
+    patterns = tuple((pattern or fit.pattern)(effect) for effect, _ in every)
     weight = PRIORS.rarer if rarer or any(effect.rare for effect in effects) else 1.0
     return Form(patterns, np.concatenate([own for _, own in every]), effects, _wrong_sign(effects), weight)
 

@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csc_array
 
+from ...identification.patterns import Index
 from ...robot.kinematics import Array
-from .patterns import Index
 
 
 class Gram(Protocol):

@@ -10,11 +10,11 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from ...identification.fit import Fit
+from ...identification.patterns import Index, Products, once, products_of
 from ...identification.rows import offset_of
 from ...robot.kinematics import Array
 from .components import Component, sized
 from .gram import Gram, Stored
-from .patterns import Index, Products, once, products_of
 
 ROWS = 200  # of products of all columns that are worked out at once
 

@@ -77,7 +77,7 @@ class Leaver:
             return (turned @ motions)[:, None] if turns else motions.reshape(count, targets, 3, -1)
 
         self.pose, of = np.nonzero(used)
-        self.plain = looked_at((fit.motions * fit.columns.prior)[:, : 3 * targets])[self.pose, of]
+        self.plain = looked_at((fit.motions.columns * fit.columns.prior)[:, : 3 * targets])[self.pose, of]
         self.error = looked_at(np.nan_to_num(fit.residual).reshape(count, -1, 1))[self.pose, of, :, 0]
         self.J = fit.J * fit.columns.prior
         self.A = fit.upper.T @ fit.upper
@@ -91,7 +91,7 @@ class Leaver:
 
     def _apart(self, here: NDArray[np.bool_]) -> Apart:
         own = self.J[here].reshape(-1, self.J.shape[2])
-        left = without_rows(self.A, own)
+        left = without_rows(self.A, own.T @ own)
         change = -np.linalg.solve(left, own.T @ self.fit.r[here].ravel())
         which = np.flatnonzero(here[self.pose])
         error, seen = self.error[which] - self.plain[which] @ change, self.seen[which]

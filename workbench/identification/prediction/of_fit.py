@@ -228,7 +228,7 @@ def _with_passing(result: Fit, gauge: _Gauge, half: Array) -> Array:
     if not passing:
         return half
     rows = (3 * np.array(gauge.chosen)[:, None] + np.arange(3)).ravel()
-    moved = result.motions[result.model.problem.campaign.poses.setup == k][:, rows]
+    moved = result.motions.columns[result.model.problem.campaign.poses.setup == k][:, rows]
     moved = moved.reshape(-1, len(half))
     own = [np.arange(part.start, part.stop) for setup, _, part in cols.targets if setup == k]
     placing = np.concatenate([np.arange(6 * k, 6 * k + 6), *own])

@@ -17,7 +17,7 @@ from ...robot.kinematics import Array
 from ...robot.rotations import body_jacobian
 from ..model import Model
 from ..parameters import columns
-from ..rows import jacobian
+from ..rows import amounts_of, jacobian
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,8 @@ def tool_motion(problem: Problem, acting: Acting) -> ToolMotion:
     line = replace(line, frame=body_jacobian(points).reshape(shape[0], -1, 6))
     cols = columns(problem, effects)
     rows = 3 * shape[1]
-    J = jacobian(model, line, cols, state, np.broadcast_to(np.eye(rows), (shape[0], rows, rows)))
+    same = np.broadcast_to(np.eye(rows), (shape[0], rows, rows))
+    J = jacobian(model, line, cols, state, same, amounts_of(model, cols)).columns
     direct = line.direct.reshape(*shape, -1)
     joint = direct[..., problem.arm.axial]
     return ToolMotion(points, told_apart(cols.names), J.reshape(*shape, -1), direct, joint)

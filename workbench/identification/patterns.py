@@ -7,15 +7,13 @@ on the pose. Products of such columns need the amounts alone: one number per pos
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...effects.base import Effect
-from ...identification.fit import Fit
-from ...robot.kinematics import Array
+from ..robot.kinematics import Array
 
 Index = NDArray[np.int64]
 BLOCK = 400  # poses whose columns stand side by side at once
@@ -37,21 +35,27 @@ class Pattern:
             return self.amount
         return np.asarray(self.motion[:, :, None] * self.amount[:, None, :])
 
+    def some(self, poses: Index) -> Pattern:
+        """At some poses."""
+        motion = None if self.motion is None else self.motion[poses]
+        return replace(self, amount=self.amount[poses], motion=motion)
+
+    def times(self, change: Array) -> Array:
+        """(N, D) what a change (p,) of its numbers makes of the rows."""
+        amount = self.amount @ change
+        return np.asarray(amount if self.motion is None else self.motion * amount[:, None])
+
+    def onto(self, r: Array) -> Array:
+        """(p,) products of its columns with rows (N, D)."""
+        along = r if self.motion is None else (self.motion * r).sum(axis=1)
+        return np.asarray(along.ravel() @ self.amount.reshape(along.size, -1))
+
     def most(self, sizes: Array) -> float:
         """The largest number of its columns in these sizes."""
         largest = np.abs(self.amount * sizes)
         if self.motion is not None:
             largest = largest * np.abs(self.motion).max(axis=1)[:, None]
         return float(largest.max(initial=0.0))
-
-
-def pattern_of(fit: Fit, effect: Effect) -> Pattern:
-    """The whitened columns of an effect at zero, in the model or not."""
-    own = effect.of_joint(fit.model.problem)
-    if own is None:
-        return Pattern(fit.whitened(effect))
-    joint, amount = own
-    return Pattern(amount, fit.axial[:, :, joint], joint)
 
 
 @dataclass(frozen=True)
@@ -83,14 +87,14 @@ def products_of(patterns: Sequence[Pattern], J: Array, e: Array, poses: Index) -
     """Products of the columns of patterns, those along one motion together, with J (M, D, n) and e (M, D) of
     these poses (M,); a block of poses at a time: the columns never stand side by side for all."""
     groups = [list(own) for _, own in groupby(patterns, key=lambda pattern: pattern.joint)]
-    total = _Sums(sum(pattern.amount.shape[-1] for pattern in patterns), J.shape[2])
+    total = Sums(sum(pattern.amount.shape[-1] for pattern in patterns), J.shape[2])
     for at in range(0, len(poses), BLOCK):
         here = slice(at, at + BLOCK)
         total.add([_together(own, poses[here]) for own in groups], J[here], e[here])
     return Products(total.GG, total.JG, total.Ge)
 
 
-class _Sums:
+class Sums:
     """Products of columns of which those along one motion stand together, summed over blocks of poses."""
 
     def __init__(self, columns: int, background: int) -> None:
@@ -102,32 +106,31 @@ class _Sums:
         """groups: one pattern for each motion, and before them those without one."""
         moving = [group for group in groups if group.motion is not None]
         own = groups[0].amount if len(moving) < len(groups) else np.zeros((*e.shape, 0))
-        beside = np.concatenate([own, J, e[:, :, None]], axis=2)
-        h, n = own.shape[2], J.shape[2]
+        h = own.shape[2]
         self.GG[:h, :h] += _flat(own).T @ _flat(own)
-        with_others = _flat(own).T @ _flat(beside[:, :, h:])
-        self.JG[:, :h] += with_others[:, :n].T
-        self.Ge[:h] += with_others[:, n]
-        first, done = h, list[tuple[slice, Pattern]]()
-        for group in moving:
-            assert group.motion is not None
-            part = slice(first, first + group.amount.shape[1])
-            along = np.matmul(group.motion[:, None, :], beside)[:, 0]
-            products = group.amount.T @ along
-            self.GG[part, :h] += products[:, :h]
-            self.GG[:h, part] += products[:, :h].T
-            self.JG[:, part] += products[:, h : h + n].T
-            self.Ge[part] += products[:, h + n]
-            for other, before in done:
-                assert before.motion is not None
-                weight = (group.motion * before.motion).sum(axis=1)
-                both = group.amount.T @ (before.amount * weight[:, None])
+        self.JG[:, :h] += _flat(J).T @ _flat(own)
+        self.Ge[:h] += e.ravel() @ _flat(own)
+        if not moving:
+            return
+        motions = np.stack([group.motion for group in moving if group.motion is not None], axis=1)
+        weights = np.matmul(motions, motions.swapaxes(1, 2))
+        with_own, with_J = np.matmul(motions, own), np.matmul(motions, J)
+        with_e = np.matmul(motions, e[:, :, None])
+        first, done = h, list[tuple[slice, Array]]()
+        for i, amount in enumerate(group.amount for group in moving):
+            part = slice(first, first := first + amount.shape[1])
+            products = amount.T @ with_own[:, i]
+            self.GG[part, :h] += products
+            self.GG[:h, part] += products.T
+            self.JG[:, part] += with_J[:, i].T @ amount
+            self.Ge[part] += with_e[:, i, 0] @ amount
+            for k, (other, before) in enumerate(done):
+                both = amount.T @ (before * weights[:, i, k, None])
                 self.GG[part, other] += both
                 self.GG[other, part] += both.T
-            scaled = group.amount * np.sqrt((group.motion**2).sum(axis=1))[:, None]
+            scaled = amount * np.sqrt(weights[:, i, i, None])
             self.GG[part, part] += scaled.T @ scaled
-            done.append((part, group))
-            first = part.stop
+            done.append((part, amount))
 
 
 def _together(patterns: Sequence[Pattern], poses: Index) -> Pattern:
