@@ -309,3 +309,19 @@ def test_what_a_robot_of_its_data_sheet_adds_to_a_stated_noise_is_no_misfit(time
     """RP 0.09 mm is its repeatability, 0.3 mm is something else. (Of one target: distances would show it.)"""
     found = competed(with_a_wrong_ratio(times * SIGMA, targets=1), SIGMA)[1]
     assert found.misfit == misfit
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_target_that_one_of_the_repeats_shows_says_nothing(seed):
+    """Its deviation of zero had counted as exact: of a target on the base that was seen now and then, a noise
+    of nothing."""
+    job = measured(seed, shots=1)
+    groups = [np.flatnonzero(repeat_groups(job) == group) for group in range(10)]
+    hidden = job
+    for target in (1, 2):
+        hidden = without(hidden, np.concatenate([members[1:] for members in groups]), target)
+    alone = without(without(job, np.arange(50), 1), np.arange(50), 2)
+    found, right = (measure_noise(one, axial_of(job)) for one in (hidden, alone))
+    assert found.dof == right.dof == 10 * 4 * 3
+    assert found.sigma == pytest.approx(right.sigma, rel=1e-6)
+    assert found.joint == pytest.approx(right.joint, rel=1e-6)

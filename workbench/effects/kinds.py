@@ -31,6 +31,8 @@ class DirectEffect(Effect):
 
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
         motion = self.motion(problem)
+        if not motion:  # none at these poses
+            return np.zeros((*line.direct.shape[:2], len(self.params)))
         return np.asarray(np.matmul(line.direct[:, :, list(motion)], np.stack([*motion.values()], axis=1)))
 
 

@@ -190,21 +190,22 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     shot_ss, shot_dof = c.shot_scatter
     if dof < FEWEST_DOF:
         return None
-    kept = weight > 0
+    kept = (weight > 0).any(axis=1)
+    seen_again = np.repeat(weight[kept] > 0, 3, axis=1)
     d = deviation.reshape(len(weight), -1)[kept]
     ratio = problem.robot.repeatability
     ratio = ratio / ratio.max() if ratio.any() else np.where(problem.arm.prismatic, 0.0, 1.0)
-    J = axial[kept] * ratio * np.repeat(problem.seen, 3, axis=1)[kept][..., None]
+    J = axial[kept] * ratio * seen_again[..., None]
     total = max(float(np.sqrt((d**2).sum() / dof)), 1e-9)
     # deviations from a group's mean of k members have covariance (1 − 1/k) of the noise's, at most
-    share = weight[kept]
-    d = d / np.sqrt(share)[:, None]
+    d = d / np.sqrt(np.where(seen_again, np.repeat(weight[kept], 3, axis=1), 1.0))
+    share = weight[kept].sum(axis=1) / (weight[kept] > 0).sum(axis=1)
     shots = float(np.median(c.shots[problem.seen])) if problem.seen.any() else 1.0
     reach = float(np.sqrt((J**2).sum() / max(1, J.shape[0] * J.shape[1])))
     u, s, _ = np.linalg.svd(J, full_matrices=False)
     projected = np.einsum("nij,ni->nj", u, d)
     rest = (d**2).sum(axis=1) - (projected**2).sum(axis=1)
-    free = np.repeat(problem.seen, 3, axis=1)[kept].sum(axis=1) - u.shape[2]
+    free = seen_again.sum(axis=1) - u.shape[2]
 
     def cost(x: Array) -> float:
         x = np.maximum(x, NOTHING)

@@ -34,23 +34,24 @@ def repeat_groups(problem: Problem) -> NDArray[np.int64]:
 
 def within(points: Array, group: NDArray[np.int64]) -> tuple[Array, Array, int]:
     """Deviation (N, T, 3) of each pose's points from their means in the pose's group (0 where not seen),
-    1 − 1/k of the group (0: alone), and the degrees of freedom."""
-    deviation, weight, dof = np.zeros_like(points), np.zeros(len(group)), 0
+    1 − 1/k of each point (N, T) that k poses of the group show (0: alone, or not seen), and the degrees of
+    freedom."""
+    deviation, weight, dof = np.zeros_like(points), np.zeros(points.shape[:2]), 0
     order = np.argsort(group, kind="stable")
     for members in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
         if len(members) > 1:
             seen = np.isfinite(points[members])
             count = seen.sum(axis=0)
+            weight[members] = np.where(seen.all(axis=2), 1 - 1 / np.maximum(count.min(axis=1), 1), 0.0)
             mean = np.where(seen, points[members], 0.0).sum(axis=0) / np.maximum(count, 1)
             deviation[members] = np.where(seen, points[members] - mean, 0.0)
-            weight[members] = 1 - 1 / len(members)
             dof += int(np.maximum(count - 1, 0).sum())
     return deviation, weight, dof
 
 
 def scatter_of_repeats(problem: Problem) -> tuple[Array, Array, int]:
     """What repeats scatter by: deviation (N, T, 3) [m] of points from the mean of their repeats, its variance
-    over that of a point (N,) (0: alone), and the degrees of freedom.
+    over that of a point (N, T) (0: alone), and the degrees of freedom.
 
     Repeats hours apart differ as well by what has moved or grown meanwhile. Where shift, turn and growth
     of all points of a set-up, smooth in time or proportional to temperature, surely leave less of that than
@@ -60,8 +61,9 @@ def scatter_of_repeats(problem: Problem) -> tuple[Array, Array, int]:
     group = repeat_groups(problem)
     deviation, weight, dof = within(problem.campaign.points, group)
     setup = problem.campaign.poses.setup
-    for k in np.unique(setup[weight > 0]):
-        here = (setup == k) & (weight > 0)
+    repeated = (weight > 0).any(axis=1)
+    for k in np.unique(setup[repeated]):
+        here = (setup == k) & repeated
         own = within(problem.campaign.points[here], group[here])[2]
         motions, d = _rigid_and_growth(problem, here), deviation[here].ravel()
         slow = _slow(problem, here)[:, : int(own / ROOM / motions.shape[3])]

@@ -161,7 +161,7 @@ def without_wild_repeats(problem: Problem) -> Problem:
     noise of all."""
     deviation, weight, dof = within(problem.campaign.points, repeat_groups(problem))
     length = np.linalg.norm(deviation, axis=2)
-    repeated = problem.seen & (weight > 0)[:, None]
+    repeated = weight > 0
     if not dof or not repeated.any():
         return problem
     wild = repeated & (length > WILD_REPEAT * float(np.median(length[repeated])) + 1e-6)

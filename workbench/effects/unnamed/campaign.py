@@ -301,14 +301,14 @@ class PerPayload(Unnamed, DirectEffect):
         return problem.campaign.poses.payload.astype(float)
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
-        carried = problem.campaign.poses.payload
-        present = np.unique(carried)[1:]
-        return each(flange_of(problem), (carried[:, None] == present).astype(float))
+        which = np.arange(1, 1 + int(self.others))
+        return each(flange_of(problem), (self.x(problem)[:, None] == which).astype(float))
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
-        others = len(np.unique(problem.campaign.poses.payload)) - 1
-        return [cls(others=float(others))] if others > 0 else []
+        """Of all payloads that the campaign knows, so that it is the same at poses with others of them."""
+        known, carried = problem.campaign.payload_names, problem.campaign.poses.payload
+        return [cls(others=len(known) - 1.0)] if np.ptp(carried) > 0 else []
 
 
 @dataclass(frozen=True)
