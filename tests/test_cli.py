@@ -205,8 +205,9 @@ def test_model_is_a_robot_again(folder, tmp_path, capsys):
     assert {item.cause for item in robot.effects} == {"gear_kinematic_error", "backlash"}
     first, *others = robot.joint_names
     assert first not in robot.geometry  # that is where the base is
-    corrections = [[0.0] * 6, *([robot.geometry[name][key] for key in GEOMETRY] for name in others)]
-    write_model(folder / "found/again.toml", robot, np.array([[0.0] * 6, *corrections]), robot.effects)
+    corrections = [[robot.geometry[name][key] for key in GEOMETRY] for name in others]
+    geometry = np.array([[0.0] * 6, [0.0] * 6, *corrections, [0.0] * 6])  # base, first joint, ..., flange
+    write_model(folder / "found/again.toml", robot, geometry, robot.effects)
     assert (folder / "found/again.toml").read_bytes() == model.read_bytes()
     (folder / "found/again.toml").unlink()
     # what the model knows is not found again, and what it predicts is what was measured

@@ -23,6 +23,7 @@ from workbench.identification.model import Model
 from workbench.identification.model_file import write_fit, write_model
 from workbench.identification.noise import Covariance
 from workbench.robot.description import load_robot
+from workbench.robot.rigid_plant import arrays
 from workbench.robot.schema import LoadData
 from workbench.simulation.virtual_campaign import Truth, simulate
 
@@ -31,7 +32,7 @@ TOOL = (60.0, (0.0, 0.0, 0.08))
 
 
 def corrections(robot):
-    return np.array([[0.0] * 6, *(list(robot.geometry[name].values()) for name in robot.joint_names)])
+    return arrays(robot).geometry
 
 
 def line(robot, count=50):

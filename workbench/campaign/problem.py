@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from ..robot.compensator import CompensatorLaw
 from ..robot.description import Robot
 from ..robot.hidden_geometry import hidden_corrections
-from ..robot.kinematics import RZ, TZ, Arm, Array, Frames, frames
+from ..robot.kinematics import RX, RY, RZ, TX, TY, TZ, Arm, Array, Frames, frames
 from ..robot.loads import Loads, Wrenches, wrenches
 from . import Campaign, drive_torque
 
 REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
 ON_BASE = 3  # fixed targets on the base that say where it is
-BESIDE = 0.01  # m from the last axis: a target that is nearer shows no turn about it
+BESIDE = 0.01  # m from the last axis, or from each other: targets that are nearer show no turn
+ACROSS = (TX, TY, RX, RY)  # an axis
 
 
 @dataclass(frozen=True)
@@ -103,25 +104,48 @@ class Problem:
         on_base = np.array([target.fixed for target in self.campaign.targets]) & (np.array(self.on) == 0)
         return int((self.seen.any(axis=0) & on_base).sum()) >= ON_BASE
 
+    @property
+    def corrections(self) -> tuple[int, ...]:
+        """Columns 6 · slot + component of all corrections of the geometry: of the joints, then of the flange
+        behind the last joint, across its axis; along and about that they are the joint's own."""
+        flange = 6 * (self.arm.slots - 1)
+        return (*range(6, flange), *(flange + component for component in ACROSS))
+
     @cached_property
     def flange_stays(self) -> frozenset[int]:
-        """Columns of corrections that turn the flange about the last axis or shift it along that, unless it
-        was measured. Loads alone tell them from how the targets sit on it, so faintly that a fit would move
-        the flange at random."""
-        last = 6 * self.arm.n
-        return frozenset() if self.flange_measured else frozenset({last + TZ, last + RZ})
+        """Columns of corrections by which the flange would stand otherwise on the last joint, unless fixed
+        targets show it: others sit on it themselves wherever they are, and loads alone tell the two so
+        faintly that a fit would move the flange at random. One place shows shifts, and none about an axis."""
+        arm, last = self.arm, 6 * self.arm.n
+        on_link, on_flange = self._fixed(arm.n), self._fixed(arm.slots - 1)
+        stays = set[int]()
+        if not len(on_link) + len(on_flange):
+            stays.add(last + TZ)
+        if not self.flange_measured:
+            stays.add(last + RZ)
+        across = [6 * (arm.slots - 1) + component for component in ACROSS]
+        stays.update(across[4 if _apart(on_flange) > BESIDE else 2 if len(on_flange) else 0 :])
+        return frozenset(stays)
 
     @cached_property
     def flange_measured(self) -> bool:
-        """Whether a fixed target beside the last axis says how the flange stands about and along it."""
-        arm, last = self.arm, self.arm.n
-        for i, (target, on) in enumerate(zip(self.campaign.targets, self.on, strict=True)):
-            if target.fixed and on >= last and self.seen[:, i].any():
-                place = arm.R_link[on] @ np.array(target.xyz)
-                x, y, _ = place if on == last else arm.R[-1] @ place + arm.p[-1]
-                if np.hypot(x, y) > BESIDE:
-                    return True
-        return False
+        """Whether fixed targets say how the flange stands about the last axis: one beside it on the last
+        link, or two on the flange, which may itself stand beside the axis."""
+        on_link, on_flange = self._fixed(self.arm.n), self._fixed(self.arm.slots - 1)
+        beside = np.linalg.norm(on_link[:, :2], axis=1).max(initial=0.0)
+        return bool(max(beside, _apart(on_flange[:, :2])) > BESIDE)
+
+    def _fixed(self, slot: int) -> Array:
+        """(F, 3) [m] nominal places on the last joint's axes of the fixed targets behind a slot that were
+        seen; z along the axis."""
+        arm = self.arm
+        places = [
+            arm.R_link[slot] @ np.array(target.xyz)
+            for i, target in enumerate(self.campaign.targets)
+            if target.fixed and self.on[i] == slot and self.seen[:, i].any()
+        ]
+        own = np.array(places).reshape(-1, 3)
+        return own if slot == arm.n else own @ arm.R[-1].T + arm.p[-1]
 
     @cached_property
     def warmth(self) -> Array | None:
@@ -141,6 +165,11 @@ class Problem:
     def joint(self, name: str | None) -> int:
         """Number of a joint, from 0."""
         return self.arm.names.index(str(name))
+
+
+def _apart(places: Array) -> float:
+    """[m] how far the farthest of places (F, k) is from the first."""
+    return float(np.linalg.norm(places - places[:1], axis=1).max(initial=0.0))
 
 
 def filled(column: Array | None, reference: float) -> Array | None:

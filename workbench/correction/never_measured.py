@@ -28,9 +28,9 @@ def never_measured(trajectory: Trajectory) -> Iterator[str]:
         )
     if not data.flange_measured:
         yield (
-            "no target on the flange is stated as calibrated (fixed = true): the tool may be turned about "
-            f"and shifted along the axis of {trajectory.nominal.names[-1]}, everywhere alike: take the tool "
-            "anew with this model"
+            "no two targets on the flange are stated as calibrated (fixed = true): the tool may be turned "
+            f"about and shifted along the axis of {trajectory.nominal.names[-1]}, everywhere alike: take the "
+            "tool anew with this model"
         )
     yield from _elsewhere(trajectory, data)
     other = beyond_load(trajectory.extended.problem, data.flange_load)

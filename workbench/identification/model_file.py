@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..effects.records import record
@@ -22,6 +24,7 @@ from .own_base import own_base
 from .prediction.of_fit import uncertainty
 
 Files = dict[Path, str]
+UNMOVED = 1e-9  # m, rad: of a frame that is held where it was stated a fit makes less
 
 
 def write_model(path: str | Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
@@ -68,8 +71,8 @@ def model_files(path: Path, robot: Robot, geometry: Array, effects: Sequence[Eff
         table["payloads"] = {name: _given(load.model_dump()) for name, load in robot.payloads.items()}
     table["geometry"] = {
         name: {key: float(v) for key, v in zip(GEOMETRY, geometry[i + 1], strict=True)}
-        for i, name in enumerate(robot.joint_names)
-        if geometry[i + 1].any()
+        for i, name in enumerate(robot.corrected_frames)
+        if np.abs(geometry[i + 1]).max() > UNMOVED
     }
     table["effects"] = [_given(item.model_dump()) for item in effects]
     if robot.uncertainty is not None:
@@ -102,8 +105,8 @@ def as_robot(fit: Fit) -> Robot:
     model had already. Tool and payloads are the campaign's: the effects were found under them; payloads of
     the model that the campaign does not name stay."""
     robot, geometry = _extended(fit)
-    rows = geometry[1 : 1 + len(robot.joint_names)].tolist()
-    each = zip(robot.joint_names, rows, strict=True)
+    frames = robot.corrected_frames
+    each = zip(frames, geometry[1 : 1 + len(frames)].tolist(), strict=True)
     return replace(robot, geometry={name: dict(zip(GEOMETRY, row, strict=True)) for name, row in each})
 
 

@@ -85,8 +85,7 @@ def columns(
             names += [f"target/{setup}/{label}/{key}" for key in keys]
             prior += spread
     arm = problem.arm
-    every = range(6, 6 * (arm.n + 1))
-    chosen = (every if geometry else ()) if isinstance(geometry, bool) else geometry
+    chosen = (problem.corrections if geometry else ()) if isinstance(geometry, bool) else geometry
     which = np.array(chosen, dtype=np.int64)
     priors = dict.fromkeys(which.tolist(), GEOMETRY_PRIOR)
     if geometry is True:
@@ -94,7 +93,7 @@ def columns(
         priors |= dict.fromkeys(problem.flange_stays, AS_STATED)
     for column in which.tolist():
         slot, component = divmod(column, 6)
-        names.append(f"geometry/{arm.names[slot - 1]}/{GEOMETRY[component]}")
+        names.append(f"geometry/{arm.slot_names[slot]}/{GEOMETRY[component]}")
         prior.append(priors[column][component // 3])
     for item in given:
         names += [f"given/{name}" for name in effect_names(item.effect)]

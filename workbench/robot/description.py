@@ -20,6 +20,7 @@ from .convention import Controller, Convention, convention_of
 from .find import find_robot
 from .loop import Loop
 from .schema import (
+    FLANGE,
     STANDARD_GRAVITY,
     Compensator,
     EffectRecord,
@@ -82,6 +83,11 @@ class Robot:
     @property
     def joint_names(self) -> tuple[str, ...]:
         return tuple(joint.name for joint in self.joints)
+
+    @property
+    def corrected_frames(self) -> tuple[str, ...]:
+        """What `[geometry]` corrects: the joints' frames, then the flange (unless a joint is called so)."""
+        return tuple(dict.fromkeys((*self.joint_names, FLANGE)))
 
     @property
     def links(self) -> tuple[str, ...]:

@@ -62,8 +62,8 @@ class ElasticTwin:
         return np.array([6 * slot + component for slot, component in self.joints])
 
     def set_geometry(self, geometry: Array) -> None:
-        """Writes the corrections G of the joints: (S, 6) into the Context."""
-        for slot in range(1, self.arm.n + 1):
+        """Writes the corrections G of joints and flange: (S, 6) into the Context."""
+        for slot in range(1, self.arm.slots):
             X = slot_pose(self.arm, slot, geometry[slot])
             self.built.corrected[slot].SetPoseInParentFrame(self.context, X)
 

@@ -139,7 +139,7 @@ def _inertias(plant: MultibodyPlant, context: Context, chain: list[RigidBody]) -
 
 def _geometry(robot: Robot) -> Array:
     geometry = np.zeros((len(robot.joints) + 2, 6))
-    for i, name in enumerate(robot.joint_names, start=1):
+    for i, name in enumerate(robot.corrected_frames, start=1):
         values = robot.geometry.get(name, {})
         geometry[i] = [values.get(key, 0.0) for key in GEOMETRY]
     return geometry

@@ -18,6 +18,7 @@ from .loop import Loop
 from .uncertainty import Uncertainty
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
+FLANGE = "flange"  # what `[geometry]` calls its frame
 EXAMPLES = {
     "name": 'name = "my_robot", say',
     "urdf": 'urdf = "my_robot.urdf", say: the file beside this one',
@@ -193,7 +194,8 @@ class RobotFile(_Table):
     not say what the arm carries have it"""
     geometry: dict[str, dict[str, float]] = {}
     """in a model.toml: corrections by joint, Trans(tx, ty, tz) Rx Ry Rz [m, rad] before its motion, on the
-    joint's axes in the URDF, which the smallest rotation turns so that z is the axis of motion"""
+    joint's axes in the URDF, which the smallest rotation turns so that z is the axis of motion; and of the
+    `flange`, where fixed targets on it showed how it stands"""
     effects: tuple[EffectRecord, ...] = ()
     """in a model.toml: what was found"""
     prediction: Uncertainty | None = None
@@ -258,8 +260,8 @@ def unknown_names(path: Path, file: RobotFile, joints: list[str], links: set[str
         known = f"has: {[*file.payloads]}"
         faults.append(Fault(f"{path}: mounted", f"no payload {file.mounted!r}", known))
     for name, values in file.geometry.items():
-        if name not in joints:
-            faults.append(Fault(f"{path}: geometry.{name}", "no such joint", f"has: {joints}"))
+        if name not in (*joints, FLANGE):
+            faults.append(Fault(f"{path}: geometry.{name}", "no such joint", f"has: {joints}, {FLANGE}"))
         faults += [
             Fault(f"{path}: geometry.{name}.{key}", "unknown key", f"one of {GEOMETRY}")
             for key in values

@@ -54,8 +54,8 @@ class Uncertainty(_Table):
     base_measured: bool = True
     """fixed targets on the base said where it is; else it is where axis 1 stands in it as the model says"""
     flange_measured: bool = True
-    """a fixed target said how the flange stands about and along the last axis; else nobody knows, since
-    targets that are fitted go along with it"""
+    """fixed targets said how the flange stands about the last axis; else nobody knows, since targets that are
+    fitted go along with it"""
     turn_measured: bool = True
     """false: the points lie on one line or in one place, how the base stands turned about it in the
     instrument's frame nobody knows, and it is not in the bounds"""

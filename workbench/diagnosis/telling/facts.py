@@ -32,12 +32,15 @@ def geometry(final: Fit) -> tuple[Parameter, ...]:
 
 def unidentifiable(final: Fit) -> tuple[str, ...]:
     """Geometry that stays where it was because these data do not show it."""
-    part = final.columns.geometry_slice
+    part, columns = final.columns.geometry_slice, final.columns.geometry.tolist()
+    problem = final.model.problem
     std = np.sqrt(np.diag(final.covariance)[part]) / final.columns.prior[part]
+    behind = 6 * (problem.arm.slots - 1)  # of the flange: where it stays, targets sit otherwise instead
+    stays = {column for column in problem.flange_stays if column >= behind}
     hidden = [
         name.removeprefix("geometry/")
-        for name, s in zip(final.columns.names[part], std, strict=True)
-        if s > 0.9
+        for name, column, s in zip(final.columns.names[part], columns, std, strict=True)
+        if s > 0.9 and column not in stays
     ]
     return tuple(hidden)
 

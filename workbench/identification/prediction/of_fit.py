@@ -179,7 +179,7 @@ def _rows(result: Fit, gauge: _Gauge, names: Sequence[str], variance: float) -> 
     out.append(places[gauge.chosen].reshape(-1, len(half)))
     slots = np.zeros((state.geometry.size, len(half)))
     slots[cols.geometry] = half[cols.geometry_slice]
-    out.append(slots[6:-6])
+    out.append(slots[list(result.model.problem.corrections)])
     stated = sum(len(values) for effect, values in result.model.known if _own(effect))
     out.append(np.zeros((stated, len(half))))
     for item, row in zip(result.model.given, half[cols.given_slice], strict=True):

@@ -91,7 +91,7 @@ def _counted(robot: Robot) -> list[str]:
     if robot.uncertainty is not None and not robot.uncertainty.flange_measured:
         found.append(
             f"flange: how it stands about and along the axis of {robot.joint_names[-1]} nobody measured; no "
-            "target on it is stated as calibrated (fixed = true)"
+            "two targets on it are stated as calibrated (fixed = true)"
         )
     if robot.controller.model_dump(exclude_defaults=True):
         found.append(
