@@ -47,7 +47,7 @@ class Drift(DirectEffect):
     equation: ClassVar[str] = 'Delta X_"base" = v thin (t - t_0)'
     settings: ClassVar[tuple[str, ...]] = ("start", "constant")
     separate: ClassVar[dict[str, str]] = {
-        "thermal_growth": "thermometers on the arm; four fixed targets on the floor every ten minutes",
+        "thermal_growth": "thermometers on the arm; four targets on the base every ten minutes",
         "foundation": "return to some poses at other times",
         "backlash": "change the side of approach in random order",
     }

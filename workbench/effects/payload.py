@@ -57,8 +57,8 @@ class Payload(MassEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Payload]:
-        """The payloads that are carried, and the tool: one that nobody stated where the model has masses;
-        beside a payload that is in all poses, and so moves with it, one that weighs more."""
+        """The payloads that are carried, and the tool: one that nobody stated where the model has masses,
+        unless a payload is in all poses, and so moves with it."""
         c = problem.campaign
         carried = [i for i in range(1, len(c.payload_names)) if (c.poses.payload == i).any()]
         loads = [
@@ -66,8 +66,8 @@ class Payload(MassEffect):
             for i in carried
             if c.load_mass[i] > 0
         ]
-        with_tool = float(c.load_mass[carried[0]]) if len(carried) == 1 and c.poses.payload.all() else 0.0
-        if c.tool_mass > with_tool or (problem.arm.weighed and not with_tool):
+        one_always = len(carried) == 1 and c.poses.payload.all() and c.load_mass[carried[0]] > 0
+        if c.tool_mass > 0 or (problem.arm.weighed and not one_always):
             most = max(float(problem.arm.mass.sum()), c.tool_mass) if problem.arm.weighed else np.inf
             loads.append((c.tool_name, c.tool_mass, usually_mounted(problem), most, c.tool_com, True))
         return [

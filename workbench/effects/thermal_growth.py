@@ -42,7 +42,7 @@ class ThermalGrowth(DirectEffect):
     equation: ClassVar[str] = "Delta p = alpha thin (T - T_0) thin p"
     settings: ClassVar[tuple[str, ...]] = ("start", "constant")
     separate: ClassVar[dict[str, str]] = {
-        "drift": "four fixed targets on the floor, measured every ten minutes; a target on the base",
+        "drift": "four targets on the base, measured every ten minutes",
         "tracker_scale": "a scale bar, or two fixed targets of known distance",
         "gravity_compensator": "{gauge}, cold and warm",
         "thermal_growth": "one posture of the arm along the whole travel, cold and warm",
