@@ -33,7 +33,7 @@ def points(tmp_path, text, encoding="utf-8"):
     """The layout as guessed, and the places (12, targets, 3) [mm] as then read."""
     (tmp_path / "points.csv").write_bytes(text.encode(encoding))
     found = guess_points(tmp_path / "points.csv")
-    assert set(found.lacking) <= {"qw, qx, qy, qz"}, found
+    assert not found.lacking, found
     file = CampaignFile.model_validate(
         {"schema": 1, "robot": "r", "poses": {"file": "p"}, "points": {"file": "points.csv", **found.keys}}
     )
@@ -319,16 +319,26 @@ def test_blanks_within_cells_do_not_part_columns_that_tabs_do(tmp_path):
     assert found == pytest.approx(HAND[:, None])
 
 
-@pytest.mark.parametrize("names", ["Rx,Ry,Rz", "Roll [deg],Pitch [deg],Yaw [deg]", "A,B,C"])
-def test_angles_of_a_6d_measurement_are_said_to_be_left_out(tmp_path, names):
-    """Its places were read alone, and nobody told."""
+@pytest.mark.parametrize(
+    ("names", "mapped"),
+    [
+        ("Rx,Ry,Rz", {"rx_deg": "Rx", "ry_deg": "Ry", "rz_deg": "Rz"}),
+        ("Roll [deg],Pitch [deg],Yaw [deg]",
+         {"rx_deg": "Roll [deg]", "ry_deg": "Pitch [deg]", "rz_deg": "Yaw [deg]"}),
+        ("A,B,C", {"rx_deg": "C", "ry_deg": "B", "rz_deg": "A"}),
+    ],
+)  # fmt: skip
+def test_angles_of_a_6d_measurement_are_found(tmp_path, names, mapped):
     turns = TURN.as_euler("xyz", degrees=True)
     rows = "".join(f"{i},{cells(HAND[i])},{cells(turns[i])}\n" for i in range(12))
     (tmp_path / "points.csv").write_text(f"pose,X,Y,Z,{names}\n{rows}")
     found = guess_points(tmp_path / "points.csv")
-    assert found.keys["columns"] == {"pose_id": "pose", "x_mm": "X", "y_mm": "Y", "z_mm": "Z"}
-    assert found.lacking == ["qw, qx, qy, qz"]
-    assert found.why.startswith(f"{names.replace(',', ', ')} are left out")
+    assert found.keys["columns"] == {"pose_id": "pose", "x_mm": "X", "y_mm": "Y", "z_mm": "Z", **mapped}
+    assert found.keys["turned_mm"] == 100
+    assert not found.lacking
+    same = "".join(f"{i},{cells(HAND[i])},0,0,0\n" for i in range(12))
+    (tmp_path / "points.csv").write_text(f"pose,X,Y,Z,{names}\n{same}")
+    assert "turned_mm" not in guess_points(tmp_path / "points.csv").keys
 
 
 def test_what_keeps_a_column_from_being_numbers_is_told(tmp_path):

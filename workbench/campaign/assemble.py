@@ -17,7 +17,7 @@ from ..robot.shown import urdf_notes
 from .cell import beside
 from .check import doubts
 from .data import Array, Campaign, IntArray, Target
-from .file import WRENCH_COLUMNS, CampaignFile
+from .file import ANGLES, QUATERNION, WRENCH_COLUMNS, CampaignFile
 from .path_sides import sides_along
 from .poses import Poses
 
@@ -123,10 +123,11 @@ def _sides(poses: Table, q: Array) -> tuple[Array | None, list[str]]:
 def _sort_points(file: CampaignFile, robot: Robot, poses: Table, points: Table) -> _Seen:
     """Means of the shots on the grid (pose, target), their numbers, sigma and pooled scatter."""
     names, warnings = _target_names(file, points)
-    if "qw" in points.numbers:
-        all_turned = np.isfinite(points.numbers["qw"]).all()
-        use = "; turned_mm = 100 under [points] makes three points of each" if all_turned else ""
-        warnings.append(f"{points.path}: qw, qx, qy, qz, how the target is turned, are not used{use}")
+    for own in (QUATERNION, ANGLES):
+        if own[0] in points.numbers:
+            all_turned = np.isfinite(points.numbers[own[0]]).all()
+            use = "; turned_mm = 100 under [points] makes three points of each" if all_turned else ""
+            warnings.append(f"{points.path}: {', '.join(own)}, how the target is turned, are not used{use}")
     targets, more = _targets(file, robot, names, points)
     warnings += more
     rows = {pose_id: row for row, pose_id in enumerate(poses.texts["pose_id"])}

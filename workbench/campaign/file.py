@@ -38,6 +38,9 @@ class TableFile(Layout):
         return {**known, **data} if known else data
 
 
+Turns = Literal["quaternion", "xyz", "xzy", "yxz", "yzx", "zxy", "zyx", "vector"]
+
+
 class PointsFile(TableFile):
     """`[points]`; wide: targets side by side, the columns of x, y and z of each."""
 
@@ -46,9 +49,12 @@ class PointsFile(TableFile):
     wide: dict[Name, tuple[ColumnPlace, ColumnPlace, ColumnPlace]] = Field(default_factory=dict)
     """targets side by side: name → columns of x, y and z"""
     turned_mm: Annotated[FiniteFloat, Field(gt=0)] | None = None
-    """6-D measurement: columns qw, qx, qy, qz say how the target is turned; it is read as three points, NAME,
-    NAME_x and NAME_y, the two so far along its axes: about as far as the targets are from the flange. Leave
-    it out where single reflectors are in the table: all are read as points then"""
+    """6-D measurement: columns qw, qx, qy, qz, or rx, ry, rz, say how the target is turned; it is read as
+    three points, NAME, NAME_x and NAME_y, the two so far along its axes: about as far as the targets are from
+    the flange. Leave it out where single reflectors are in the table: all are read as points then"""
+    turns: Turns | None = None
+    """what rx, ry and rz are: angles about these axes, which stand still, in this order (about axes that turn
+    with it: the letters backwards), or a rotation vector; left out: what turns as the flange does"""
 
 
 class PosesFile(TableFile):
@@ -161,6 +167,7 @@ _EXAMPLES = EXAMPLES | {
 
 UNSEEN = "leave x, y and z empty, or the line out, of a point that was not seen"
 QUATERNION = ("qw", "qx", "qy", "qz")
+ANGLES = ("rx", "ry", "rz")
 WRENCH_COLUMNS = tuple(
     Column(f"{kind}{axis}", (dimension,), mend="write 0 where there is none")
     for kind, dimension in (("f", "force"), ("m", "torque"))
@@ -210,12 +217,13 @@ def pose_columns(robot: Robot, joints: Sequence[Joint] = ()) -> list[Column]:
 def point_columns(file: CampaignFile, named: bool = False) -> list[Column]:
     """The columns of `points.csv`. With a single target, its column may be left out, and that of the pose
     where the points stand in the order of the poses (unless `named`)."""
-    stated, turned = file.noise.sigma_mm is not None, file.points.turned_mm is not None
+    stated = file.noise.sigma_mm is not None
     sigma = "" if stated else "give it for every point, or state [noise] sigma_mm for the others"
     return [
         Column("pose_id", text=True, required=named, mend="every point belongs to a pose"),
         Column("target", text=True, required=len(file.targets) > 1, mend="name the target of every point"),
         *(Column(axis, ("length",), required=True, blank=True, wild=True, mend=UNSEEN) for axis in "xyz"),
         *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
-        *(Column(name, required=turned, blank=True) for name in QUATERNION),
+        *(Column(name, blank=True) for name in QUATERNION),
+        *(Column(name, ("angle",), blank=True) for name in ANGLES),
     ]

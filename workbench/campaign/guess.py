@@ -182,12 +182,9 @@ def _of_places(
             found.targets = list(dict.fromkeys(text.columns[target]))
         (triple,) = places.values()
         columns |= {f"{axis}_{unit}": text.name(i) for axis, i in zip("xyz", triple, strict=True)}
-        if turned := quaternion(text):
+        if (turned := quaternion(text)) or (turned := angles(text)):
             columns |= turned
             found.keys["turned_mm"] = TURNED
-        elif said := angles(text):
-            found.lacking.append("qw, qx, qy, qz")
-            found.why = f"{said} are left out: write the turn as a quaternion to have it read"
         return _mapped(found, columns)
     found.targets = list(places)
     found.keys["wide"] = {name: [text.name(i) for i in triple] for name, triple in places.items()}

@@ -8,8 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
-from .file import QUATERNION
-from .guess_text import LENGTHS, Array, Text, counts, is_numbers, odd_cell, plain, unit_of
+from .file import ANGLES, QUATERNION
+from .guess_text import LENGTHS, Array, Text, angle_unit, counts, is_numbers, odd_cell, plain, unit_of
 
 Triple = tuple[int, int, int]
 
@@ -18,7 +18,10 @@ FEWEST = 8  # rows that say whether two places are on one arm
 STILL = 1e-3  # of its distance: less moves what stands on the base
 SAME, RIGID = 0.01, 0.05  # of what places vary by: two targets are farther apart, and as far in all poses
 TURN = 0.01  # that the length of a quaternion is off 1
-ANGLES = ("rx", "ry", "rz"), ("rotx", "roty", "rotz"), ("roll", "pitch", "yaw"), ("a", "b", "c")
+CALLED = (
+    ("rx", "ry", "rz"), ("rotx", "roty", "rotz"), ("roll", "pitch", "yaw"), ("c", "b", "a"),
+)  # fmt: skip
+"""what angles about x, y and z are called; KUKA's A is about z"""
 OTHER = re.compile(
     r"[dusrnv]|\w*(nom|soll|theo|ref|cad|cmd|dev|abw|diff|delta|err|unc|unsich|sig|std|rms|tol|rot|ori|ang"
     r"|quat|norm|vel)\w*"
@@ -138,11 +141,15 @@ def _turn(text: Text) -> tuple[int, ...]:
     return turns[0] if len(turns) == 1 else ()
 
 
-def angles(text: Text) -> str:
-    """What the angles of a 6-D measurement are called, unless its turn is stated as a quaternion."""
-    by_name = {plain(text.header[i]): text.header[i] for i in range(len(text.columns)) if text.header}
-    found = next((names for names in ANGLES if set(names) <= by_name.keys()), ())
-    return "" if _turn(text) else ", ".join(by_name[name] for name in found)
+def angles(text: Text) -> dict[str, str | int]:
+    """Columns of the angles of a 6-D measurement by their names, where they vary."""
+    called = [plain(name) for name in text.header]
+    names = next((names for names in CALLED if all(called.count(name) == 1 for name in names)), ())
+    places = [called.index(name) for name in names]
+    if not all(is_numbers(text.columns[i]) for i in places) or not any(map(text.varies, places)):
+        return {}
+    unit = unit_of(text, places[0]) or angle_unit(text, places)
+    return {f"{our}_{unit}": text.name(i) for our, i in zip(ANGLES, places, strict=True)}
 
 
 def measured(text: Text) -> set[int]:

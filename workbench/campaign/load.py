@@ -16,9 +16,10 @@ from .check import check_points, check_poses, check_targets
 from .controller_joints import by_the_controllers_names, joints_in_order, stated, to_urdf
 from .data import Campaign
 from .file import CampaignFile, pose_columns, read_campaign_file
-from .point_table import number_points, number_poses, read_points
+from .point_table import number_points, number_poses, read_points, undecided
 from .program_joints import joint_table
 from .six_dof import check_one_body, with_six_dof
+from .turns import told_by_the_robot
 
 
 def load_campaign(path: str | Path) -> Campaign:
@@ -66,7 +67,13 @@ def _loaded(path: Path) -> Campaign:
     if file.poses.joints == "controller":
         to_urdf(poses, stated(robot, f"{path}: poses.joints"))
     try:
-        return joined(path, file, robot, poses, points)
+        if not undecided(points, file):
+            return joined(path, file, robot, poses, points)
+        number(poses, points)
+        file, said = told_by_the_robot(file, robot, poses, points)
+        points = read_points(path.parent / file.points.file, file, f"{path}: points")
+        campaign = joined(path, file, robot, poses, points)
+        return replace(campaign, warnings=(said, *campaign.warnings))
     except NotInOrder:
         named = read_points(path.parent / file.points.file, file, f"{path}: points", named=True)
         raise InputError(named.faults) from None
@@ -82,11 +89,10 @@ class NotInOrder(Exception):
     """The points name no poses, and are not as many."""
 
 
-def joined(path: Path, file: CampaignFile, robot: Robot, poses: Table, points: Table) -> Campaign:
-    """The campaign of tables without faults, joined in order where they name no poses.
+def number(poses: Table, points: Table) -> bool:
+    """Names poses and points by their order where the tables do not; whether the points were.
 
-    Raises `InputError`; `NotInOrder` where there is nothing to join the points by.
-    """
+    Raises `InputError` without any points; `NotInOrder` where there is nothing to join them by."""
     number_poses(poses)
     if not len(points):
         what = "not one point was seen: x, y and z are empty in every row"
@@ -94,6 +100,15 @@ def joined(path: Path, file: CampaignFile, robot: Robot, poses: Table, points: T
     in_order = "pose_id" not in points.texts
     if in_order and not number_points(points, poses):
         raise NotInOrder
+    return in_order
+
+
+def joined(path: Path, file: CampaignFile, robot: Robot, poses: Table, points: Table) -> Campaign:
+    """The campaign of tables without faults, joined in order where they name no poses.
+
+    Raises `InputError`; `NotInOrder` where there is nothing to join the points by.
+    """
+    in_order = number(poses, points)
     if faults := _no_match(poses, points):
         raise InputError(faults)
     campaign = assemble(path, file, robot, poses, points)

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..files.faults import Fault, InputError, read_text
 from ..files.tables import Column, Layout, Table, parse_table, read_table
-from ..robot import rotations
 from .assemble import ONLY, some
-from .file import QUATERNION, UNSEEN, CampaignFile, point_columns
+from .file import ANGLES, QUATERNION, UNSEEN, CampaignFile, Turns, point_columns
+from .turns import rotations
 
 ROUNDED = 0.01  # that a quaternion's length is off 1 by its decimals at most
 XYZ = ("x", "y", "z")
@@ -45,22 +45,30 @@ def read_points(path: Path, file: CampaignFile, place: str, named: bool = False)
 
 
 def _three_each(table: Table, file: CampaignFile, arm: float) -> Table:
-    """A 6-D measurement as three points: the target, and `arm` [m] along its x and y."""
-    if table.faults:
+    """A 6-D measurement as three points: the target, and `arm` [m] along its x and y. One whose angles nobody
+    has told stays as it is."""
+    turns = _turns(table, file)
+    if table.faults or turns is None:
         return table
-    quaternion = np.stack([table.numbers.pop(name) for name in QUATERNION], axis=1)
+    told = {name: table.numbers.pop(name) for name in (*QUATERNION, *ANGLES) if name in table.numbers}
+    turn = {name: told[name] for name in (QUATERNION if turns == "quaternion" else ANGLES)}
     names = table.texts.get("target", [next(iter(file.targets), ONLY)] * len(table))
-    off = ~(np.abs(np.linalg.norm(quaternion, axis=1) - 1) <= ROUNDED)
+    length = np.linalg.norm(np.stack([*turn.values()], axis=1), axis=1)
+    off = np.asarray(~(np.abs(length - 1) <= ROUNDED) if turns == "quaternion" else ~np.isfinite(length))
     turned = {name for name, no_turn in zip(names, off, strict=True) if not no_turn}
     if turned and (plain := [name for name in dict.fromkeys(names) if name not in turned]):
         what = f"no line of {some(plain)} says how it is turned, and {WITHOUT_TURNS}"
         table.faults.append(Fault(str(table.path), what, NO_TURNS))
         return table
     if off.any():
-        mend = "give qw, qx, qy and qz, the scalar as qw; leave out the line of a target that was not seen"
-        table.add_fault_where(off, "qw", "and the three beside it are no quaternion of length 1", mend)
+        unseen = "leave out the line of a target that was not seen"
+        if turns == "quaternion":
+            mend = f"give qw, qx, qy and qz, the scalar as qw; {unseen}"
+            table.add_fault_where(off, "qw", "and the three beside it are no quaternion of length 1", mend)
+        else:
+            table.add_fault_where(off, "rx", "or one of the two beside it is empty", f"give all; {unseen}")
         return table
-    R = rotations.from_quaternions(quaternion)
+    R = rotations(turn, turns)
     place = np.stack([table.numbers[axis] for axis in "xyz"], axis=1)
     points = place[:, None] + arm * np.stack([np.zeros_like(place), R[:, :, 0], R[:, :, 1]], axis=1)
     numbers = {name: np.repeat(values, 3) for name, values in table.numbers.items()}
@@ -68,6 +76,22 @@ def _three_each(table: Table, file: CampaignFile, arm: float) -> Table:
     texts = {name: [cell for cell in cells for _ in range(3)] for name, cells in table.texts.items()}
     texts["target"] = [name + end for name in names for end in ("", "_x", "_y")]
     return Table(table.path, np.repeat(table.lines, 3), numbers, texts, table.labels, table.units)
+
+
+def _turns(table: Table, file: CampaignFile) -> Turns | None:
+    """How its columns say how a target is turned, where that is known; a fault where none do."""
+    has = [all(name in table.numbers for name in own) for own in (QUATERNION, ANGLES)]
+    told = file.points.turns
+    if not any(has) or (told and not has[told != "quaternion"]):
+        lacks = "rx, ry, rz" if told not in (None, "quaternion") else "qw, qx, qy, qz"
+        mend = "give how the target is turned, or take turned_mm out"
+        table.faults.append(Fault(str(table.path), f"no column {lacks}", mend))
+    return told or ("quaternion" if has[0] else None)
+
+
+def undecided(table: Table, file: CampaignFile) -> bool:
+    """Whether it is a 6-D measurement whose angles nobody has told: they are still there."""
+    return file.points.turned_mm is not None and all(name in table.numbers for name in ANGLES)
 
 
 def seen_rows(table: Table, whose: str = "") -> Table:

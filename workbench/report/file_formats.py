@@ -18,7 +18,7 @@ from typing import Any, get_args
 from pydantic import BaseModel
 
 from ..campaign.exports import EXPORTS, PROGRAM_EXPORTS
-from ..campaign.file import QUATERNION, CampaignFile, point_columns, pose_columns
+from ..campaign.file import ANGLES, QUATERNION, CampaignFile, point_columns, pose_columns
 from ..correction.path_table import path_columns
 from ..files.tables import UNITS, Column
 from ..files.whole import put_all
@@ -215,6 +215,7 @@ _MEANINGS = {
     **dict.fromkeys("xyz", "place"),
     **dict.fromkeys(("sx", "sy", "sz"), _SIGMA),
     **dict.fromkeys(QUATERNION, "orientation as a quaternion, qw its scalar"),
+    **dict.fromkeys(ANGLES, "or as angles, or a rotation vector: `turns` in [campaign.toml](campaign.md)"),
     **dict.fromkeys("abc", "orientation as KUKA's A B C: Rz(A) Ry(B) Rx(C)"),
     "dwell": "rest at this sample; `t_s` counts it: the next row comes later by as much",
 }
