@@ -43,7 +43,8 @@ def model(folder, name, effects=()):
     """A robot with corrections of half a millimetre and half a milliradian, and with effects."""
     robot = load_robot(write_random_robot(folder, 5, name) if name[-1] == "R" else name)
     rng = np.random.default_rng(7)
-    geometry = {j.name: dict(zip(GEOMETRY, 5e-4 * rng.normal(size=6), strict=True)) for j in robot.joints}
+    frames_of = robot.corrected_frames
+    geometry = {name: dict(zip(GEOMETRY, 5e-4 * rng.normal(size=6), strict=True)) for name in frames_of}
     known = set(robot.joint_names)
     effects = tuple(e for e in effects if e.joint is None or e.joint in known)
     return replace(robot, geometry=geometry, effects=effects)
@@ -52,7 +53,8 @@ def model(folder, name, effects=()):
 def written_as(robot, to, conditions=None):
     """The robot with the geometry that a format's file has."""
     content = content_of(robot, None, conditions or Conditions())
-    return refitted(content, kept_of(content, FORMATS[to].carries))
+    chosen = FORMATS[to]
+    return refitted(content, kept_of(content, chosen.carries), chosen.has_flange(content))
 
 
 def joints(content, count=5):

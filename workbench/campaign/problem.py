@@ -123,7 +123,7 @@ class Problem:
             stays.add(last + TZ)
         if not self.flange_measured:
             stays.add(last + RZ)
-        across = [6 * (arm.slots - 1) + component for component in ACROSS]
+        across = self.corrections[-len(ACROSS) :]
         stays.update(across[4 if _apart(on_flange) > BESIDE else 2 if len(on_flange) else 0 :])
         return frozenset(stays)
 

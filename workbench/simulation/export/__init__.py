@@ -71,7 +71,7 @@ def export(
     loaded = robot if isinstance(robot, Robot) else load_robot(robot)
     content = content_of(loaded, campaign, stated_conditions(loaded) if conditions is None else conditions)
     kept = kept_of(content, chosen.carries)
-    written = content if chosen.whole else refitted(content, kept)
+    written = content if chosen.whole else refitted(content, kept, chosen.has_flange(content))
     near = chosen.flange(written) if chosen.flange else None
     lost = cost(content, kept, written, near)
     title = f"{loaded.title}: {chosen.title}; written by robot-workbench"

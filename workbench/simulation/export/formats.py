@@ -22,8 +22,10 @@ class Format:
     """One format. carries: see `kept.kept_of`. write: (content, header) → file name → what is in it. whole:
     the model as it is; otherwise the geometry makes up for what is left out (`kept.refitted`).
 
-    notes: what else a reader must know, a line each; flange: (N, 3) [m] and its rotation (N, 3, 3), of a
-    format that only comes near the geometry. Both raise `InputError` for a robot that the format cannot hold.
+    has_flange: whether it holds how the flange stands on the last axis; else the geometry makes up for that
+    as well. notes: what else a reader must know, a line each; flange: (N, 3) [m] and its rotation
+    (N, 3, 3), of a format that only comes near the geometry. All raise `InputError` for a robot that the
+    format cannot hold.
     """
 
     title: str
@@ -32,6 +34,7 @@ class Format:
     notes: Callable[[Content], list[str]] = nothing
     flange: Callable[[Content], tuple[Array, Array]] | None = None
     whole: bool = False
+    has_flange: Callable[[Content], bool] = lambda _: True
 
 
 ELASTIC = frozenset({"mass", "spring", "coil"})
@@ -69,7 +72,7 @@ def with_simulator(content: Content) -> list[str]:
 
 
 FORMATS = {
-    "urdf": Format("URDF, rigid", frozenset(), urdf.write, urdf.notes),
+    "urdf": Format("URDF, rigid", frozenset(), urdf.write, urdf.notes, has_flange=urdf.has_flange),
     "sdf": Format("SDF for Drake, elastic", ELASTIC, sdf.write, in_drake),
     "drake": Format(
         "package for Drake, elastic, with its effects",
@@ -80,7 +83,11 @@ FORMATS = {
     ),
     "mjcf": Format("MJCF for MuJoCo, elastic", ELASTIC, mjcf.write, in_mujoco),
     "ur-kinematics": Format(
-        "Universal Robots' kinematics file, rigid", frozenset(), ur_kinematics.write, ur_kinematics.notes
+        "Universal Robots' kinematics file, rigid",
+        frozenset(),
+        ur_kinematics.write,
+        ur_kinematics.notes,
+        has_flange=ur_kinematics.has_flange,
     ),
     "dh": Format("Denavit-Hartenberg tables, rigid", frozenset(), dh.write, dh.notes),
     "opw": Format("ortho-parallel arm, rigid and nearest", frozenset(), opw.write, flange=opw.near),

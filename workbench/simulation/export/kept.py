@@ -46,14 +46,16 @@ def kept_of(content: Content, carries: frozenset[str]) -> Kept:
     return Kept(content.acting(carries | {"compensator"}), "spring" in carries, law)
 
 
-def refitted(content: Content, kept: Kept) -> Content:
+def refitted(content: Content, kept: Kept, flange: bool) -> Content:
     """The content with the geometry that brings what is kept nearest to the whole model in the poses: least
     squares in the flange's place and turn, with a prior about the model's geometry. A robot that nothing
-    was identified of stays as it is."""
+    was identified of stays as it is. flange: how that stands on the last axis is kept as well."""
     acting, own = content.extended.acting, content.problem.arm.geometry
     if not (own.any() or len(acting)):
         return content
     place, turn = content.flange(acting)
+    if not flange:
+        content = content.with_geometry(np.vstack([own[:-1], 0 * own[-1:]]))
     for _ in range(ROUNDS):
         p, R = kept.flange(content)
         left = np.concatenate([place - p, LEVER * vectors(turn @ R.transpose(0, 2, 1))], axis=1)

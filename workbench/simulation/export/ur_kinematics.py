@@ -44,6 +44,11 @@ def origins(content: Content) -> Array:
     return np.array(out)
 
 
+def has_flange(_: Content) -> bool:
+    """It ends with the last joint."""
+    return False
+
+
 def notes(content: Content) -> list[str]:
     """Where the file's base stands, if not where the robot's does."""
     if (_half_turn(_makers_table(content)) == np.eye(4)).all():

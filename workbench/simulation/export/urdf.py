@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.meshes import GLTF, HOW, obj_of_gltf
 from ...robot.plants import rigid_arm_plant
@@ -28,10 +29,15 @@ def write(content: Content, header: list[str]) -> Files:
     robot = content.robot
     root, meshes = read_root(robot.urdf), mesh_files(robot.urdf)
     nominal = rigid_twin(robot)
+    elements = {joint.get("name"): joint for joint in root.findall("joint")}
+    carries = {name: elements[name] for name in robot.joint_names}
+    to_flange = _to_flange(root, robot)
     for joint in tree_of(robot, rigid_arm_plant(content.arm)).joints:
-        if joint.name not in robot.joint_names:
+        element = carries.get(joint.name)
+        if element is None and joint.child == robot.flange and content.arm.geometry[-1].any():
+            element = to_flange
+        if element is None:
             continue
-        (element,) = (e for e in root.findall("joint") if e.get("name") == joint.name)
         parent = element.find("parent")
         assert parent is not None
         before = nominal.plant.GetBodyByName(parent.get("link", "")).body_frame()
@@ -42,6 +48,21 @@ def write(content: Content, header: list[str]) -> Files:
         if (written := mesh.get("filename", "")) in meshes:
             mesh.set("filename", meshes[written][0])
     return {f"{robot.name}.urdf": xml_text(root, header), **contents(meshes)}
+
+
+def has_flange(content: Content) -> bool:
+    """Whether the file has a frame that says how the flange stands on the last axis: not where that is the
+    last link's own."""
+    return _to_flange(read_root(content.robot.urdf), content.robot) is not None
+
+
+def _to_flange(root: ET.Element, robot: Robot) -> ET.Element | None:
+    """The fixed joint that carries the flange."""
+    for element in root.findall("joint"):
+        child = element.find("child")
+        if child is not None and child.get("link") == robot.flange and element.get("type") == "fixed":
+            return element
+    return None
 
 
 def notes(content: Content) -> list[str]:
