@@ -17,6 +17,7 @@ from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.lost_motion import LostMotion
 from workbench.effects.place import Where
 from workbench.effects.records import effect_text, from_record, parse_effect, record, stated_effects
+from workbench.effects.unnamed.campaign import PerPayload
 from workbench.effects.unnamed.instrument import Bearing, Head, Views
 from workbench.effects.unnamed.loads import Load
 from workbench.files.faults import InputError
@@ -299,3 +300,20 @@ def test_what_the_data_do_not_show_stays_within_what_physics_allows():
                     bounded += 1
                     assert 3 * std <= max(-param.lower, param.upper) * (1 + 1e-9), (effect.label, param.name)
     assert bounded > 10
+
+
+def test_a_tool_that_sits_otherwise_by_payload_has_its_numbers_at_other_loads_too():
+    """A plan goes on with poses of loads that the campaign knows and did not carry, or without any: its
+    columns were as many as the loads of those."""
+    arm = load_robot("ur5")
+    q = random_poses(arm, 9, np.random.default_rng(0))
+    loads = {name: (mass, (0.0, 0.0, 0.1)) for name, mass in (("half", 2.0), ("full", 4.0), ("spare", 1.0))}
+    carried = problem_of(planned(arm, q, payloads=loads, payload=["half", "full", "full"] * 3))
+    (effect,) = PerPayload.sites(carried)
+    line = Model(carried).linearise(Model(carried).in_base())
+    for payload in (["half", "full", "full"], ["", "half", "full"], ["spare", "", "spare"]):
+        other = problem_of(planned(arm, q, payloads=loads, payload=payload * 3))
+        columns = effect.jacobian(other, line, np.zeros(len(effect.params)))
+        assert columns.shape == (9, line.direct.shape[1], len(effect.params))
+        moving = np.abs(columns).max(axis=(1, 2)) > 0
+        assert moving.tolist() == [bool(name) for name in payload] * 3
