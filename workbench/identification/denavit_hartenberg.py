@@ -15,7 +15,6 @@ from ..robot.description import Robot
 from ..robot.kinematics import RX, RZ, TZ, Arm, Array, frames
 from ..robot.rigid_plant import arrays
 from ..robot.rotations import pose, screw, xyz_angles
-from ..robot.schema import GEOMETRY
 from .fit import Fit
 
 
@@ -53,11 +52,7 @@ def with_rows(robot: Robot, nominal: Array, practical: Array) -> Robot:
     Raises ValueError as `corrections` does.
     """
     arm = arrays(replace(robot, geometry={}))
-    geometry = corrections(arm, nominal, practical)[0]
-    rows = zip(robot.joint_names, geometry[1:-1], strict=True)
-    return replace(
-        robot, geometry={name: dict(zip(GEOMETRY, row.tolist(), strict=True)) for name, row in rows}
-    )
+    return robot.corrected(corrections(arm, nominal, practical)[0])
 
 
 def axial_columns(robot: Robot) -> list[int]:

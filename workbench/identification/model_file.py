@@ -105,9 +105,7 @@ def as_robot(fit: Fit) -> Robot:
     model had already. Tool and payloads are the campaign's: the effects were found under them; payloads of
     the model that the campaign does not name stay."""
     robot, geometry = _extended(fit)
-    frames = robot.corrected_frames
-    each = zip(frames, geometry[1 : 1 + len(frames)].tolist(), strict=True)
-    return replace(robot, geometry={name: dict(zip(GEOMETRY, row, strict=True)) for name, row in each})
+    return robot.corrected(geometry)
 
 
 def _extended(fit: Fit) -> tuple[Robot, Array]:

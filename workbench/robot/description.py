@@ -6,7 +6,7 @@ the `model.toml` that a diagnosis writes: that is a robot TOML with `[geometry]`
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from .find import find_robot
 from .loop import Loop
 from .schema import (
     FLANGE,
+    GEOMETRY,
     STANDARD_GRAVITY,
     Compensator,
     EffectRecord,
@@ -88,6 +89,12 @@ class Robot:
     def corrected_frames(self) -> tuple[str, ...]:
         """What `[geometry]` corrects: the joints' frames, then the flange (unless a joint is called so)."""
         return tuple(dict.fromkeys((*self.joint_names, FLANGE)))
+
+    def corrected(self, geometry: NDArray[np.float64]) -> Robot:
+        """The same with corrections (S, 6) of the arm's slots [m, rad] as its `[geometry]`."""
+        rows = zip(self.corrected_frames, geometry[1:].tolist(), strict=False)
+        found = {name: dict(zip(GEOMETRY, row, strict=True)) for name, row in rows}
+        return replace(self, geometry=found)
 
     @property
     def links(self) -> tuple[str, ...]:

@@ -19,7 +19,6 @@ from ...effects.records import record
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ...robot.kinematics import Arm, Array, moved_base
-from ...robot.schema import GEOMETRY
 from ..deflection import places
 from ..fit import Fit, fit
 from ..model import Model, State
@@ -66,8 +65,7 @@ def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]
     if kinematics:
         model = Model(problem_of(part(campaign, empty)))
         found = fit(model, model.in_base())
-        rows = zip(robot.joint_names, seated(model.problem.arm, found.state)[1:-1].tolist(), strict=True)
-        robot = replace(robot, geometry={name: dict(zip(GEOMETRY, row, strict=True)) for name, row in rows})
+        robot = robot.corrected(seated(model.problem.arm, found.state))
     stiffness = _from_differences(replace(campaign, robot=robot), empty)
     pairs = zip(stiffness.model.effects, stiffness.state.values, strict=True)
     return replace(robot, effects=tuple(record(effect, values) for effect, values in pairs)), stiffness
