@@ -304,7 +304,7 @@ def test_a_noise_from_few_repeats_may_be_off_without_a_misfit():
     assert not found.misfit
 
 
-@pytest.mark.parametrize(("times", "misfit"), [(1.3, False), (3.0, True)])
+@pytest.mark.parametrize(("times", "misfit"), [pytest.param(1.3, False, marks=pytest.mark.slow), (3.0, True)])
 def test_what_a_robot_of_its_data_sheet_adds_to_a_stated_noise_is_no_misfit(times, misfit):
     """RP 0.09 mm is its repeatability, 0.3 mm is something else. (Of one target: distances would show it.)"""
     found = competed(with_a_wrong_ratio(times * SIGMA, targets=1), SIGMA)[1]

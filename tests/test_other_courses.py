@@ -26,7 +26,7 @@ def unknown_of(diagnosis):
     return one.structure
 
 
-@pytest.mark.parametrize("way", [0.3, 2.0])
+@pytest.mark.parametrize("way", [pytest.param(0.3, marks=pytest.mark.slow), 2.0])
 def test_a_base_that_tips_to_one_side_is_no_foundation(way):
     """It lifts a foot where it is pulled to that side by more than a tenth of the largest moment."""
 
@@ -65,7 +65,10 @@ def comes_back(time):
     return there * np.exp(-np.maximum(share - 0.5, 0.0) / 0.1)
 
 
-@pytest.mark.parametrize(("column", "says"), [(0, "base (or the instrument)"), (-6, "tool")])
+@pytest.mark.parametrize(
+    ("column", "says"),
+    [(0, "base (or the instrument)"), pytest.param(-6, "tool", marks=pytest.mark.slow)],
+)
 def test_what_goes_there_and_back_in_time_drifts(column, says):
     gone = 1.5e-4 * comes_back(TIME)
     moved = measured(
@@ -80,7 +83,9 @@ def test_what_goes_there_and_back_in_time_drifts(column, says):
 
 
 @pytest.mark.parametrize(("column", "kind"), [(0, "moved_instrument"), (-6, "changed_setup")])
-@pytest.mark.parametrize("time", [TIME, None], ids=["timed", "in order"])
+@pytest.mark.parametrize(
+    "time", [pytest.param(TIME, marks=pytest.mark.slow), None], ids=["timed", "in order"]
+)
 def test_what_moves_at_once_is_no_drift(column, kind, time):
     """By less than what stands out beside any smooth course."""
     gone = 7e-5 * (np.arange(POSES) >= 52)
@@ -102,7 +107,10 @@ def test_what_moves_at_once_in_one_of_several_set_ups_is_told():
     assert not diagnosis.causes
 
 
-@pytest.mark.parametrize(("column", "says"), [(0, "base (or an instrument)"), (-6, "tool")])
+@pytest.mark.parametrize(
+    ("column", "says"),
+    [pytest.param(0, "base (or an instrument)", marks=pytest.mark.slow), (-6, "tool")],
+)
 def test_what_warms_up_while_nobody_looks_at_the_clock_is_no_step(column, says):
     """Most of it is over after some poses of the first ones."""
     gone = 2.5e-4 * (1 - np.exp(-np.arange(POSES) / 6.0))

@@ -148,7 +148,9 @@ def test_fixed_targets_beside_the_last_axis_tell_how_the_flange_stands_on_it(fix
     assert any(line.startswith("flange: how it stands") for line in header) != told
 
 
-@pytest.mark.parametrize("off", [(2e-4, 0.0, 0.0, 0.0), (0.0, -1e-4, 0.0, 5e-4)])
+@pytest.mark.parametrize(
+    "off", [pytest.param((2e-4, 0.0, 0.0, 0.0), marks=pytest.mark.slow), (0.0, -1e-4, 0.0, 5e-4)]
+)
 def test_a_flange_that_stands_off_the_last_axis_is_geometry_and_goes_into_the_model(off, tmp_path):
     """Of targets whose places on it are known. Of a sound robot a `drift` had been named for it."""
     geometry = np.zeros((8, 6))

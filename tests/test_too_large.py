@@ -31,7 +31,7 @@ def test_no_arm_grows_by_millimetres_per_metre(growth):
     assert "looks like thermal growth, but of a size that it has on no machine" in cause.structure
 
 
-@pytest.mark.parametrize(("share", "poses"), [(0.1, 60), (1.5, 40)])
+@pytest.mark.parametrize(("share", "poses"), [(0.1, 60), pytest.param(1.5, 40, marks=pytest.mark.slow)])
 def test_no_link_weighs_more_than_the_whole_arm(share, poses):
     """A share of the arm's mass that is added to link_2: more than one is what something else does."""
     robot = load_robot("kr120")

@@ -49,7 +49,7 @@ def named(campaign):
         pytest.param("kr500", [0], 50e-6, 50, 3, 9, marks=pytest.mark.slow),
         pytest.param("ur10", [1], 50e-6, 60, 3, 28, marks=pytest.mark.slow),
         ("iiwa7", [0], 250e-6, 30, 1, 33),
-        ("ur5", [1, 2], 250e-6, 45, 3, 7),
+        pytest.param("ur5", [1, 2], 250e-6, 45, 3, 7, marks=pytest.mark.slow),
         ("kr500", [0, 1], 250e-6, 30, 3, 18),
     ],
 )

@@ -20,7 +20,11 @@ def stepped(problem):
 
 
 @pytest.mark.parametrize(
-    "effects", [(), ("gear_eccentricity:joint=wrist_1_joint,variant=1,amplitude=4e-4,phase=1",)]
+    "effects",
+    [
+        pytest.param((), marks=pytest.mark.slow),
+        ("gear_eccentricity:joint=wrist_1_joint,variant=1,amplitude=4e-4,phase=1",),
+    ],
 )
 def test_a_zero_that_steps_is_told_with_its_pose_and_size(effects):
     campaign = measured("ur5", effects, poses=POSES, loads=(), targets=3, joints=stepped)
