@@ -38,6 +38,7 @@ class _Seen:
 
 def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points: Table) -> Campaign:
     """The campaign of a checked file and its checked tables; `path` is what messages call it."""
+    _timed_by_points(poses, points)
     seen = _sort_points(file, robot, poses, points)
     kept, measured = np.any(seen.shots > 0, axis=1), np.any(seen.shots > 0, axis=0)
     warnings = [*urdf_notes(robot), *seen.warnings, *doubts(poses, points, robot)]
@@ -75,6 +76,20 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
         known=file.known.model_copy(update={"scale": 1.0}),
         files=digests([path, poses.path, points.path, *robot.files]),
     )
+
+
+def _timed_by_points(poses: Table, points: Table) -> None:
+    """Gives poses the mean time of their points, where the instrument wrote it down and the robot did not."""
+    if "t" in poses.numbers or "t" not in points.numbers:
+        return
+    rows = {pose_id: row for row, pose_id in enumerate(poses.texts["pose_id"])}
+    row = np.array([rows.get(pose_id, -1) for pose_id in points.texts["pose_id"]])
+    when = points.numbers["t"]
+    used = (row >= 0) & np.isfinite(when)
+    count = np.bincount(row[used], minlength=len(poses))
+    with np.errstate(invalid="ignore"):
+        poses.numbers["t"] = np.bincount(row[used], when[used], minlength=len(poses)) / count
+    poses.labels["t"] = points.labels["t"]
 
 
 def _kept_poses(

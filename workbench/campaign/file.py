@@ -168,6 +168,7 @@ _EXAMPLES = EXAMPLES | {
 UNSEEN = "leave x, y and z empty, or the line out, of a point that was not seen"
 QUATERNION = ("qw", "qx", "qy", "qz")
 ANGLES = ("rx", "ry", "rz")
+TIME = Column("t", ("time",), blank=True, mend="write seconds from any beginning, or leave the cell empty")
 WRENCH_COLUMNS = tuple(
     Column(f"{kind}{axis}", (dimension,), mend="write 0 where there is none")
     for kind, dimension in (("f", "force"), ("m", "torque"))
@@ -198,7 +199,7 @@ def pose_columns(robot: Robot, joints: Sequence[Joint] = ()) -> list[Column]:
         Column("pose_id", text=True, mend="name every pose"),
         Column("payload", text=True, blank=True),
         Column("setup", text=True, blank=True),
-        Column("t", ("time",), blank=True, mend="write seconds from any beginning, or leave the cell empty"),
+        TIME,
         Column("temp", ("temperature",), blank=True),
         *WRENCH_COLUMNS,
     ]
@@ -226,4 +227,5 @@ def point_columns(file: CampaignFile, named: bool = False) -> list[Column]:
         *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
         *(Column(name, blank=True) for name in QUATERNION),
         *(Column(name, ("angle",), blank=True) for name in ANGLES),
+        TIME,
     ]

@@ -28,6 +28,7 @@ from .guess_text import (
     repeats,
     unit_of,
 )
+from .guess_times import when
 from .program_joints import ARM, joint_table, no_joints, program_of
 
 Misfit = Callable[[Array, Array], float]  # joints (N, n) [rad, m], points (N, 3) [m] → misfit [m]
@@ -115,6 +116,7 @@ def _of_joints(
     if identity is not None and not repeats(text.columns[identity]):
         columns = {"pose_id": text.name(identity), **columns}
         found.ids = list(text.columns[identity])
+    columns |= when(text, set(numbers.values()))
     warmth = _first(text, TEMPERATURE, set(numbers.values())) if text.header else None
     if warmth is not None and is_numbers(text.columns[warmth]) and "f]" not in text.header[warmth].lower():
         columns["temp_degC"] = text.name(warmth)
@@ -173,6 +175,7 @@ def _of_places(
     if identity is not None:
         columns["pose_id"] = text.name(identity)
         taken = {*taken, identity}
+    columns |= when(text, {*own, *([] if identity is None else [identity])})
     if len(places) == 1:
         several = identity is not None and repeats(text.columns[identity])
         names = (*TARGET, *GROUP) if several else TARGET

@@ -10,7 +10,7 @@ import numpy as np
 from ..files.faults import Fault, InputError, read_text
 from ..files.tables import Column, Layout, Table, parse_table, read_table
 from .assemble import ONLY, some
-from .file import ANGLES, QUATERNION, UNSEEN, CampaignFile, Turns, point_columns
+from .file import ANGLES, QUATERNION, TIME, UNSEEN, CampaignFile, Turns, point_columns
 from .turns import rotations
 
 ROUNDED = 0.01  # that a quaternion's length is off 1 by its decimals at most
@@ -29,6 +29,7 @@ def read_points(path: Path, file: CampaignFile, place: str, named: bool = False)
     columns = [
         Column("pose_id", text=True, required=named),
         *(Column(axis, ("length",), required=True, blank=True, wild=True) for axis in "xyz"),
+        TIME,
     ]
     try:
         text = read_text(path, layout.encoding)

@@ -11,9 +11,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from .clock import is_time, seconds
 from .faults import Fault, line_faults
 from .measure import LARGEST
 from .table_columns import Found, Layout
+from .table_units import CLOCK
 
 Array = NDArray[np.float64]
 
@@ -42,6 +44,11 @@ class ColumnRead:
                 sys.intern, cells
             )  # a pose's name stands in two tables, a target's in many rows
             rows = [] if column.blank else [row for row, cell in enumerate(cells) if not cell]
+        elif self.found.unit is CLOCK:
+            self.texts += cells
+            rows = [row for row, cell in enumerate(cells) if not is_time(cell)]
+            if column.blank:
+                rows = [row for row in rows if cells[row].lower() not in ABSENT]
         else:
             values = _numbers(cells, self.layout.decimal)
             self.values.append(self.found.sign * values * self.found.unit.factor + self.found.unit.offset)
@@ -64,6 +71,8 @@ class ColumnRead:
     @property
     def numbers(self) -> Array:
         """(n_rows,) [SI]."""
+        if self.found.unit is CLOCK:
+            return seconds(self.texts)
         return np.concatenate([np.zeros(0), *self.values])
 
 
@@ -89,6 +98,8 @@ def _number(cell: str, decimal: str) -> float:
 def _tell(found: Found, cell: str, layout: Layout) -> tuple[str, str]:
     """What is wrong with a cell, and how to mend it."""
     column = found.column
+    if found.unit is CLOCK and cell:
+        return f"{found.label} is {cell!r}, not a time", "write 14:03:05, or 2026-11-30 14:03:05"
     mend = column.mend or ("leave the cell empty where there is none" if column.blank else "")
     if not cell:
         return f"{found.label} is empty", mend

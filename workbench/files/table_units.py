@@ -16,6 +16,7 @@ class Unit:
 
 
 NO_UNIT = Unit("", 1.0)
+CLOCK = Unit("time", 1.0, 0.0)  # a time of day, with the date or without
 UNITS = {
     "mm": Unit("length", 1e-3),
     "m": Unit("length", 1.0),
@@ -37,6 +38,7 @@ UNITS = {
     "ms": Unit("time", 1e-3),
     "min": Unit("time", 60.0),
     "h": Unit("time", 3600.0),
+    "clock": CLOCK,
     "degC": Unit("temperature", 1.0),
     "K": Unit("temperature", 1.0, -273.15),
 }

@@ -201,7 +201,7 @@ _MEANINGS = {
     **dict(payload="what the arm carries, by its name under `[payloads]`; empty: nothing"),
     "pose_id": "name of the pose",
     "setup": "the instrument's stand: its frame and the targets are fitted anew for each",
-    "t": "time",
+    "t": "time from any beginning; `t_clock`: times of day, dated or not; of poses, or else of points",
     "temp": "temperature of the arm; 20 °C is nominal",
     **dict.fromkeys(("fx", "fy", "fz"), _FORCE),
     **dict.fromkeys(("mx", "my", "mz"), _TORQUE),
