@@ -41,6 +41,13 @@ POSES = "pose_id,q1_deg,q2_rad,q3_mm\na,10,0.5,100\nb,-20,0.25,200\nc,30,-0.5,0\
 POINTS = (
     "pose_id,target,x_mm,y_mm,z_mm\na,T1,1000,2000,3000\na,T2,1,2,3000\nb,T1,-1.5,2e3,0.25\nc,T1,4,5,600\n"
 )
+BARE = """schema = 1
+robot = "robot/tiny.toml"
+[poses]
+file = "poses.csv"
+{poses}[points]
+file = "points.csv"
+{points}"""
 
 
 def write_robot(folder: Path) -> Path:

@@ -4,18 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from campaign_example import POINTS, POSES, TOML, faults, write_example
+from campaign_example import BARE, POINTS, POSES, TOML, faults, write_example
 
 from workbench import Campaign, InputError, load_campaign
 from workbench.campaign import load_campaign as load
-
-BARE = """schema = 1
-robot = "robot/tiny.toml"
-[poses]
-file = "poses.csv"
-{poses}[points]
-file = "points.csv"
-{points}"""
 
 
 def campaign(folder, poses="", points="", tables=(POSES, POINTS)):

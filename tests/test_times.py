@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from campaign_example import POSES, write_example
+from campaign_example import BARE, POSES, write_example
 
 from workbench import load_campaign, load_robot
 from workbench.campaign.guess import guess_points, guess_poses
@@ -39,13 +39,6 @@ def test_what_is_no_time(cell):
     assert np.isnan(seconds([cell])).all()
 
 
-BARE = """schema = 1
-robot = "robot/tiny.toml"
-[poses]
-file = "poses.csv"
-{poses}[points]
-file = "points.csv"
-{points}"""
 STAMPED = """pose_id,x_mm,y_mm,z_mm,measured
 a,1,2,3,2026-11-30 10:00:00
 a,1,2,3,2026-11-30 10:00:04
