@@ -101,7 +101,9 @@ def system_of(occasions: Sequence[Occasion]) -> System:
         pose.append(first + np.repeat(np.arange(len(result.r)), result.r.shape[1]))
         used.append((np.abs(result.whitener).sum(axis=2) > 0).ravel())
         priors.append(FREE * result.columns.prior[:n])
-    prior = np.concatenate([*priors, occasions[0].fit.columns.prior[starts[0] :]])
+    # a flange that fixed targets show at some occasions alone is held as far as these leave it
+    widest = np.max([one.fit.columns.prior[n:] for one, n in zip(occasions, starts, strict=True)], axis=0)
+    prior = np.concatenate([*priors, widest])
     return System(
         tuple(occasions),
         np.concatenate(J) * prior,
