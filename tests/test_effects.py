@@ -23,7 +23,7 @@ from workbench.effects.unnamed.loads import Load
 from workbench.files.faults import InputError
 from workbench.identification.model import Model, State
 from workbench.identification.parameters import columns
-from workbench.identification.rows import amounts_of, jacobian, moved
+from workbench.identification.rows import jacobian, moved
 from workbench.robot.description import load_robot
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, simulate
@@ -139,7 +139,7 @@ def test_every_column_knows_what_acts_beside_it(name):
     model, state = Model(seen, effects), replace(state, values=values)
     cols, line = columns(seen, effects, True), model.linearise(state)
     unit = np.broadcast_to(np.eye(line.direct.shape[1]), (N_POSES, *[line.direct.shape[1]] * 2))
-    J = jacobian(model, line, cols, state, unit, amounts_of(model, cols)).columns
+    J = jacobian(model, line, cols, state, unit).columns
     assert {"instrument", "yielding", "load"} <= set(each)
     for i, column in enumerate(cols.names):
         step = np.zeros(len(cols.names))

@@ -78,13 +78,17 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
     )
 
 
+def _rows(poses: Table, points: Table) -> IntArray:
+    """(M,) the row of each point's pose; -1 of one that is not among them."""
+    rows = {pose_id: row for row, pose_id in enumerate(poses.texts["pose_id"])}
+    return np.array([rows.get(pose_id, -1) for pose_id in points.texts["pose_id"]], dtype=np.int64)
+
+
 def _timed_by_points(poses: Table, points: Table) -> None:
     """Gives poses the mean time of their points, where the instrument wrote it down and the robot did not."""
     if "t" in poses.numbers or "t" not in points.numbers:
         return
-    rows = {pose_id: row for row, pose_id in enumerate(poses.texts["pose_id"])}
-    row = np.array([rows.get(pose_id, -1) for pose_id in points.texts["pose_id"]])
-    when = points.numbers["t"]
+    row, when = _rows(poses, points), points.numbers["t"]
     used = (row >= 0) & np.isfinite(when)
     count = np.bincount(row[used], minlength=len(poses))
     with np.errstate(invalid="ignore"):
@@ -145,9 +149,8 @@ def _sort_points(file: CampaignFile, robot: Robot, poses: Table, points: Table) 
             warnings.append(f"{points.path}: {', '.join(own)}, how the target is turned, are not used{use}")
     targets, more = _targets(file, robot, names, points)
     warnings += more
-    rows = {pose_id: row for row, pose_id in enumerate(poses.texts["pose_id"])}
     columns = {target.name: column for column, target in enumerate(targets)}
-    row = np.array([rows.get(pose_id, -1) for pose_id in points.texts["pose_id"]])
+    row = _rows(poses, points)
     column = np.array([columns[name] for name in names])
     lost = list(dict.fromkeys(points.texts["pose_id"][i] for i in np.flatnonzero(row < 0)))
     if lost:

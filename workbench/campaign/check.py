@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files.clock import DAY
 from ..files.faults import Fault
 from ..files.tables import FAULTS_SHOWN, Table, suggest
 from ..files.toml import toml_key
@@ -164,7 +165,7 @@ def _doubtful_time(poses: Table) -> list[str]:
     time = poses.numbers.get("t")
     if time is None or not np.isfinite(time).any():
         return []
-    label, days = poses.labels["t"], float(np.nanmax(time) - np.nanmin(time)) / 86400.0
+    label, days = poses.labels["t"], float(np.nanmax(time) - np.nanmin(time)) / DAY
     if days > LONGEST_DAYS:
         return [f"{poses.path}: by {label} the campaign lasts {days:.0f} days; are these seconds?"]
     setups = np.array(poses.texts.get("setup", [""] * len(time)))

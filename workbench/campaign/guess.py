@@ -185,7 +185,7 @@ def _of_places(
             found.targets = list(dict.fromkeys(text.columns[target]))
         (triple,) = places.values()
         columns |= {f"{axis}_{unit}": text.name(i) for axis, i in zip("xyz", triple, strict=True)}
-        if (turned := quaternion(text)) or (turned := angles(text)):
+        if turned := quaternion(text) or angles(text):
             columns |= turned
             found.keys["turned_mm"] = TURNED
         return _mapped(found, columns)

@@ -6,9 +6,10 @@ from collections.abc import Collection
 
 import numpy as np
 
-from ..files.clock import is_time, seconds
+from ..files.clock import DAY, is_time, seconds
 from ..files.column_read import ABSENT
 from ..files.table_units import UNITS
+from .check import LONGEST_DAYS
 from .guess_text import Array, Text, is_numbers, plain, stated
 
 TIMES = {
@@ -22,7 +23,6 @@ CALLED = (
     "elapsedtime",
 )  # fmt: skip
 ONWARDS = 0.95  # of the rows, that are not earlier than the one before
-LONGEST = 60 * 86400.0  # s that a campaign lasts
 EPOCH = {"s": (1e9, 1e10), "ms": (1e12, 1e13)}  # since 1970: numbers that say their unit themselves
 
 
@@ -65,4 +65,4 @@ def _goes_on(values: Array) -> bool:
     """Whether it may be the time of one row after the other."""
     known = values[np.isfinite(values)]
     steps = np.diff(known)
-    return bool(len(steps) and np.mean(steps >= 0) >= ONWARDS and 0 < np.ptp(known) < LONGEST)
+    return bool(len(steps) and np.mean(steps >= 0) >= ONWARDS and 0 < np.ptp(known) < LONGEST_DAYS * DAY)

@@ -26,8 +26,8 @@ PARTED = re.compile(r"[+-]?\d{1,3}(,\d{3})+\.\d+|[+-]?\d{1,3}(\.\d{3})+,\d+|[+-]
 @dataclass
 class ColumnRead:
     """What was read of a column. values: a piece per block, NaN where a cell is empty or wrong; texts: of a
-    column of text instead; huge: lines with a number beyond all measure; wrong: lines, what is wrong there
-    and how to mend it."""
+    column of text, or of times of day, instead; huge: lines with a number beyond all measure; wrong: lines,
+    what is wrong there and how to mend it."""
 
     found: Found
     layout: Layout
@@ -44,21 +44,25 @@ class ColumnRead:
                 sys.intern, cells
             )  # a pose's name stands in two tables, a target's in many rows
             rows = [] if column.blank else [row for row, cell in enumerate(cells) if not cell]
-        elif self.found.unit is CLOCK:
-            self.texts += cells
-            rows = [row for row, cell in enumerate(cells) if not is_time(cell)]
-            if column.blank:
-                rows = [row for row in rows if cells[row].lower() not in ABSENT]
         else:
-            values = _numbers(cells, self.layout.decimal)
-            self.values.append(self.found.sign * values * self.found.unit.factor + self.found.unit.offset)
-            rows = np.flatnonzero(~np.isfinite(values)).tolist()
-            if not column.wild:
-                huge = np.isfinite(values) & (np.abs(values) > LARGEST)
-                self.huge += [lines[row] for row in np.flatnonzero(huge).tolist()]
+            rows = self._add_times(cells) if self.found.unit is CLOCK else self._add_numbers(cells, lines)
             if column.blank:
                 rows = [row for row in rows if cells[row].lower() not in ABSENT]
         self.wrong += [(lines[row], *_tell(self.found, cells[row], self.layout)) for row in rows]
+
+    def _add_times(self, cells: Sequence[str]) -> list[int]:
+        """Rows of those that are none. What they are in seconds, all of them say together."""
+        self.texts += cells
+        return [row for row, cell in enumerate(cells) if not is_time(cell)]
+
+    def _add_numbers(self, cells: Sequence[str], lines: Sequence[int]) -> list[int]:
+        """Rows of those that are none."""
+        values = _numbers(cells, self.layout.decimal)
+        self.values.append(self.found.sign * values * self.found.unit.factor + self.found.unit.offset)
+        if not self.found.column.wild:
+            huge = np.isfinite(values) & (np.abs(values) > LARGEST)
+            self.huge += [lines[row] for row in np.flatnonzero(huge).tolist()]
+        return np.flatnonzero(~np.isfinite(values)).tolist()
 
     def faults(self, path: Path) -> list[Fault]:
         """The faults of the cells, in the order of the file."""

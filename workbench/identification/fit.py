@@ -84,8 +84,7 @@ class Fit:
     @cached_property
     def motions(self) -> Jacobian:
         """Jacobian (N, R, P) before whitening."""
-        amounts = amounts_of(self.model, self.columns)
-        return jacobian(self.model, self.line, self.columns, self.state, None, amounts)
+        return jacobian(self.model, self.line, self.columns, self.state, None)
 
     @cached_property
     def lasting(self) -> Fit:

@@ -143,11 +143,17 @@ def amounts_of(model: Model, cols: Columns) -> Amounts:
 
 
 def jacobian(
-    model: Model, line: Linearisation, cols: Columns, state: State, W: Array | None, amounts: Amounts
+    model: Model,
+    line: Linearisation,
+    cols: Columns,
+    state: State,
+    W: Array | None,
+    amounts: Amounts | None = None,
 ) -> Jacobian:
     """Jacobian (N, D, P), whitened by W (N, D, R); None: as it is (D = R). What effects do of the motions of
     slots they do of whitened ones as well: these are far fewer than the columns of all effects. amounts: as
-    `amounts_of` has them, which no state changes."""
+    `amounts_of` has them, which no state changes, where somebody asks again and again."""
+    amounts = amounts_of(model, cols) if amounts is None else amounts
     setup = model.problem.campaign.poses.setup
     n_poses, rows, _ = line.geometry.shape
     fixed = np.zeros((n_poses, rows, cols.geometry_slice.stop))

@@ -17,7 +17,7 @@ from ...robot.kinematics import Array
 from ...robot.rotations import body_jacobian
 from ..model import Model
 from ..parameters import columns
-from ..rows import amounts_of, jacobian
+from ..rows import jacobian
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def tool_motion(problem: Problem, acting: Acting) -> ToolMotion:
     cols = columns(problem, effects)
     rows = 3 * shape[1]
     same = np.broadcast_to(np.eye(rows), (shape[0], rows, rows))
-    J = jacobian(model, line, cols, state, same, amounts_of(model, cols)).columns
+    J = jacobian(model, line, cols, state, same).columns
     direct = line.direct.reshape(*shape, -1)
     joint = direct[..., problem.arm.axial]
     return ToolMotion(points, told_apart(cols.names), J.reshape(*shape, -1), direct, joint)
