@@ -94,6 +94,7 @@ def test_angles_of_something_else_are_left_out_and_told(tmp_path, arm):
     assert not found.six_dof
     assert found.points.shape == (25, 1, 3)
     assert any("do not turn as the flange does" in said for said in found.warnings)
+    assert not any("turned_mm = 100" in said for said in found.warnings)  # which is stated
 
 
 def test_faults_of_turns(tmp_path, arm, capsys):

@@ -15,7 +15,7 @@ from .assemble import assemble, some
 from .check import check_points, check_poses, check_targets
 from .controller_joints import by_the_controllers_names, joints_in_order, stated, to_urdf
 from .data import Campaign
-from .file import CampaignFile, pose_columns, read_campaign_file
+from .file import ANGLES, CampaignFile, pose_columns, read_campaign_file
 from .point_table import number_points, number_poses, read_points, undecided
 from .program_joints import joint_table
 from .six_dof import check_one_body, with_six_dof
@@ -72,6 +72,8 @@ def _loaded(path: Path) -> Campaign:
         number(poses, points)
         file, said = told_by_the_robot(file, robot, poses, points)
         points = read_points(path.parent / file.points.file, file, f"{path}: points")
+        for name in ANGLES:  # of those that are left out everything is said already
+            points.numbers.pop(name, None)
         campaign = joined(path, file, robot, poses, points)
         return replace(campaign, warnings=(said, *campaign.warnings))
     except NotInOrder:
