@@ -101,6 +101,7 @@ def test_the_path_is_met_by_the_rigid_arm() -> None:
     assert dh.chain(printed.TABLE_3, q)[:, -1, :3, 3] == pytest.approx(path, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_tables_differ_by_the_printed_error_as_they_have_to(found: Study) -> None:
     n = found.numbers
     assert 24 < n["mean_90_mm"] < 27
@@ -115,6 +116,7 @@ def test_tables_differ_by_the_printed_error_as_they_have_to(found: Study) -> Non
     assert n["z_geometry"] < n["z_sag"]
 
 
+@pytest.mark.slow
 def test_links_of_the_printed_stiffness_bend_by_micrometres(found: Study) -> None:
     n = found.numbers
     assert 1e-3 < n["bending_own_mm"] < n["bending_loaded_mm"] < 0.1
@@ -126,6 +128,7 @@ def test_links_of_the_printed_stiffness_bend_by_micrometres(found: Study) -> Non
     assert shares == sorted(shares)
 
 
+@pytest.mark.slow
 def test_every_account_is_judged_by_all_that_is_printed(found: Study) -> None:
     table = next(t for t in found.tables if t.title.startswith("What each account reproduces"))
     assert len(table.rows) == len(stories.OWN) == 7
@@ -134,6 +137,7 @@ def test_every_account_is_judged_by_all_that_is_printed(found: Study) -> None:
     assert n["p_sag"] < 0.01
 
 
+@pytest.mark.slow
 def test_circle_points_hold_the_truth(found: Study) -> None:
     n = found.numbers
     assert n["circle_hits"] >= 0.85 * n["circle_intervals"]
@@ -141,6 +145,7 @@ def test_circle_points_hold_the_truth(found: Study) -> None:
     assert n["bias_a_mm"] > 3 * n["half_a_mm"]  # deflection has to be taken out
 
 
+@pytest.mark.slow
 def test_d_and_theta_are_identified(found: Study) -> None:
     n = found.numbers
     assert n["rank"] == 18  # of 20: not d₂ − d₃, not θ₇
@@ -151,6 +156,7 @@ def test_d_and_theta_are_identified(found: Study) -> None:
     assert n["all_40_mean_mm"] < 0.15 < n["all_13_mean_mm"]
 
 
+@pytest.mark.slow
 def test_two_loads_show_what_unloaded_poses_do_not(found: Study) -> None:
     n = found.numbers
     assert n["detectable_two"] < n["detectable_more"] < n["detectable_one"]
@@ -161,6 +167,7 @@ def test_two_loads_show_what_unloaded_poses_do_not(found: Study) -> None:
     assert n["rigid_heldout_mm"] > 3 * n["noise_mean_mm"]
 
 
+@pytest.mark.slow
 def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
     assert len(found.figures) == 6
     for name in ("index.html", "report.pdf", "scene.html", "result.json"):
@@ -183,10 +190,12 @@ def test_sag_of_the_pool_is_the_deflection() -> None:
     assert np.linalg.norm(parts - whole, axis=1).max() < 0.03 * np.linalg.norm(whole, axis=1).max()
 
 
+@pytest.mark.slow
 def test_captions_stand_alone(found: Study) -> None:
     captions_stand_alone(found, "Seven-joint arm")
 
 
+@pytest.mark.slow
 def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
     poses_are_counted(found, 0.4)
 
