@@ -14,11 +14,12 @@ from ..effects.given import Given
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 from ..robot.schema import GEOMETRY
-from .registration import STATED_TARGET, UNKNOWN_TARGET
+from .registration import UNKNOWN_TARGET
 
 GEOMETRY_PRIOR = (5e-3, 5e-3)  # m, rad
 LEVER_PRIOR = (5e-4, 5e-4)  # m, rad, of a correction that no point shows: it changes levers of loads alone
 AS_STATED = (1e-7, 1e-7)  # m, rad, of a correction that is not fitted
+TARGET_PRIOR = 5e-3  # m, of a stated target: where the hand hardly turns nothing else holds it
 FRAME_PRIOR = 10.0  # m, rad: as good as none
 
 
@@ -122,10 +123,10 @@ def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, t
     free = [i for i, target in enumerate(campaign.targets) if seen[i] and not target.fixed]
     stated = [campaign.targets[i].xyz is not None for i in free]
     if campaign.six_dof and free:
-        spread = [STATED_TARGET] * 3 + [0.2] * 3 if all(stated) else [UNKNOWN_TARGET] * 3 + [FRAME_PRIOR] * 3
+        spread = [TARGET_PRIOR] * 3 + [0.2] * 3 if all(stated) else [UNKNOWN_TARGET] * 3 + [FRAME_PRIOR] * 3
         return [(None, "body", GEOMETRY, spread)]
     return [
-        (i, campaign.targets[i].name, ("x", "y", "z"), [STATED_TARGET if known else UNKNOWN_TARGET] * 3)
+        (i, campaign.targets[i].name, ("x", "y", "z"), [TARGET_PRIOR if known else UNKNOWN_TARGET] * 3)
         for i, known in zip(free, stated, strict=True)
     ]
 

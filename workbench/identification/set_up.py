@@ -14,8 +14,9 @@ from .noise import Covariance
 def fit_set_up(model: Model, start: State, noise: Covariance) -> Fit:
     """Frames and targets of a robot of which nothing else is fitted.
 
-    What the robot errs by counts as noise: by the instrument's alone a target that poses hardly tell from the
-    frame (a tool that never turns) would go metres away for the micrometres of error that it takes in there.
+    What the robot errs by counts as noise, and as one that all joint positions have in common: by the
+    instrument's alone, or by what many positions leave on average, a target that they hardly tell from the frame
+    (a tool that never turns, but sags) would go far away for the micrometres of error that it takes in there.
 
     Turns of a 6-D measurement count as much as they move its points: what such a robot errs by is neither the
     instrument's noise of turns nor what its joints scatter.
@@ -26,4 +27,7 @@ def fit_set_up(model: Model, start: State, noise: Covariance) -> Fit:
     found = fit(model, start, noise, geometry=False)
     free = max(found.point_rows - found.rank, 1)
     times = float(np.sqrt(found.chi2 / free))
-    return fit(model, start, noise.times(times), geometry=False) if times > 1 else found
+    if times <= 1:
+        return found
+    positions = int(model.problem.positions.max()) + 1
+    return fit(model, start, noise.times(times * np.sqrt(positions)), geometry=False)

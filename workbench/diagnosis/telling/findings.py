@@ -29,7 +29,7 @@ from .evidence import evidence
 from .facts import facts, geometry, of_campaigns, unidentifiable
 from .headline import Errors, headline, in_order, remarks, shows_in, steps, verdict_of, with_left
 from .in_the_model import InModel, beside_the_model, has
-from .nameless import nameless_of, scattering
+from .nameless import UNSURE, nameless_of, scattering
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm, wandering_mm
 from .set_ups_apart import by_comparing, perhaps_changed
@@ -139,7 +139,8 @@ def _nameless(parts: Parts, errors: Errors, more: Remainder | None) -> list[Find
     """What has no name. more: what is left for that, where it is not how the robot repeats."""
     best = errors.stages[-1].heldout_rms_mm
     found = nameless_of(parts.selection, errors.with_names - best)
-    if not found and more is not None and more.scatter:
+    stated = parts.prepared.noise.source == "stated"
+    if not found and more is not None and more.scatter and more.inflation > (UNSURE if stated else 1.0):
         found = [scattering(parts.selection, more, parts.prepared.covariance, best)]
     return [_with_comparison(one, parts.prepared.problem) for one in found]
 

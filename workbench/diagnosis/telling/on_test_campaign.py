@@ -41,7 +41,7 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     possible = without_impossible(every)
     placed, apart = _set_up_anew(possible.problem, final)
-    meant, said = believed(placed)
+    meant, said = believed(_as_found(placed, final))
     problem, faults = _cleaned(meant, final)
     before, after = _errors(problem, nominal), _errors(problem, final)
     if not problem.seen.any():
@@ -86,6 +86,21 @@ def _set_up_anew(problem: Problem, final: Fit) -> tuple[Problem, tuple[str, ...]
     )
     names = tuple(name or TEST for name in campaign.setup_names)
     return replace(problem, campaign=replace(campaign, setup_names=names)), (said,)
+
+
+def _as_found(problem: Problem, final: Fit) -> Problem:
+    """The test campaign with targets stated where the fit found them, on average over its set-ups: that they
+    are not where they are stated was said of the fit's campaign."""
+    campaign, fitted = problem.campaign, final.model.problem.campaign
+    known = [fitted.setup_names.index(name) for name in campaign.setup_names if name in fitted.setup_names]
+    names = [target.name for target in fitted.targets]
+    targets = list(campaign.targets)
+    for i, target in enumerate(targets):
+        if known and target.name in names and target.xyz is not None:
+            place = final.state.targets[known, names.index(target.name)].mean(axis=0)
+            x, y, z = (problem.arm.R_link[problem.on[i]].T @ place).tolist()
+            targets[i] = replace(target, xyz=(x, y, z))
+    return replace(problem, campaign=replace(campaign, targets=tuple(targets)))
 
 
 test_figures.__test__ = False  # type: ignore[attr-defined]  # not a pytest function
