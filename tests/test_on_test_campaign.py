@@ -45,6 +45,18 @@ def test_an_instrument_elsewhere_is_told_with_what_its_own_frame_leaves():
     assert figures(named).notes == ()
 
 
+def test_a_target_that_the_fit_found_elsewhere_is_there_in_the_test_too():
+    """It was said of the fit's campaign; for the test's alone some mistake of the joints would explain it."""
+    campaign = measured("ur5", poses=50, loads=(), targets=1)
+    (target,) = campaign.targets
+    x, y, z = target.xyz
+    off = replace(campaign, targets=(replace(target, xyz=(x + 0.02, y - 0.02, z + 0.02)),))
+    prepared = prepare(off.some(np.arange(30)))
+    found = figures_on(prepared.nominal, prepared.geometry, off.some(np.arange(30, 50)))
+    assert found.notes == ()
+    assert found.after_mean_mm < 0.1
+
+
 def test_a_test_of_another_year_has_its_own_set_up():
     """Instrument and base elsewhere, and another target in the place of one: nobody named either set-up."""
     _, test, _ = halves()

@@ -94,6 +94,13 @@ def test_only_what_was_tried_is_said_to_explain_nothing():
     assert said.endswith("and record approach and temperature.")
 
 
+def test_a_noise_stated_a_little_too_small_is_a_note_and_no_structure():
+    found = diagnose(measured(0.92 * SIGMA, targets=1, poses=150)).diagnosis
+    assert found.verdict == "nothing_missing"
+    (said,) = found.notes
+    assert "larger than the noise says, without any structure: check the stated noise" in said
+
+
 @pytest.mark.parametrize("targets", [1, 3])
 @pytest.mark.parametrize("times", [4, 1000])
 def test_a_noise_stated_far_too_large_is_told(times, targets):

@@ -18,6 +18,7 @@ from ...identification.model import Model, State
 from ...identification.noise import Covariance
 from ...identification.plausible import believed
 from ...identification.plausible.check import REFUSED
+from ...identification.plausible.misfit import USUAL
 from ...identification.registration import register, spread_of
 from ...robot.kinematics import Array
 from ..data_faults.wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
@@ -89,8 +90,8 @@ def _set_up_anew(problem: Problem, final: Fit) -> tuple[Problem, tuple[str, ...]
 
 
 def _as_found(problem: Problem, final: Fit) -> Problem:
-    """The test campaign with targets stated where the fit found them, on average over its set-ups: that they
-    are not where they are stated was said of the fit's campaign."""
+    """The test campaign with targets that the fit found elsewhere stated there, on average over its set-ups:
+    that they are not where they are stated was said of the fit's campaign."""
     campaign, fitted = problem.campaign, final.model.problem.campaign
     known = [fitted.setup_names.index(name) for name in campaign.setup_names if name in fitted.setup_names]
     names = [target.name for target in fitted.targets]
@@ -98,8 +99,9 @@ def _as_found(problem: Problem, final: Fit) -> Problem:
     for i, target in enumerate(targets):
         if known and target.name in names and target.xyz is not None:
             place = final.state.targets[known, names.index(target.name)].mean(axis=0)
-            x, y, z = (problem.arm.R_link[problem.on[i]].T @ place).tolist()
-            targets[i] = replace(target, xyz=(x, y, z))
+            if np.linalg.norm(place - problem.stated_targets[i]) > USUAL:
+                x, y, z = (problem.arm.R_link[problem.on[i]].T @ place).tolist()
+                targets[i] = replace(target, xyz=(x, y, z))
     return replace(problem, campaign=replace(campaign, targets=tuple(targets)))
 
 
