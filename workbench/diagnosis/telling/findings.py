@@ -139,9 +139,11 @@ def _nameless(parts: Parts, errors: Errors, more: Remainder | None) -> list[Find
     """What has no name. more: what is left for that, where it is not how the robot repeats."""
     best = errors.stages[-1].heldout_rms_mm
     found = nameless_of(parts.selection, errors.with_names - best)
-    stated = parts.prepared.noise.source == "stated"
-    if not found and more is not None and more.scatter and more.inflation > (UNSURE if stated else 1.0):
-        found = [scattering(parts.selection, more, parts.prepared.covariance, best)]
+    if not found and more is not None and more.scatter:
+        stated = parts.prepared.noise.source == "stated"
+        scatters = scattering(parts.selection, more, parts.prepared.covariance, best)
+        if not stated or scatters.where.keys() or more.inflation > UNSURE:
+            found = [scatters]
     return [_with_comparison(one, parts.prepared.problem) for one in found]
 
 

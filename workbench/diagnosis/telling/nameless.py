@@ -26,7 +26,7 @@ from .headline import listed, words_of
 
 ALSO_TOLD = 2  # parts without a name that are told beside the largest
 MOST = 0.5  # of what is beyond the noise: a joint whose scatter makes more of it is where it sits
-UNSURE = 1.2  # residual over a stated noise, up to which that may be stated too small
+UNSURE = 1.2  # residual over a stated noise: up to it a scatter in no joint may be one stated too small
 
 
 def nameless_of(selection: Selection, worth_mm: float) -> list[Finding]:
