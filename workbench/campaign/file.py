@@ -72,7 +72,7 @@ class TargetData(_Section):
     """`[targets.T1]`."""
 
     xyz_mm: Vector3 | None = None
-    """nominal place, re-fitted unless fixed; absent = unknown"""
+    """nominal place, re-fitted unless fixed (to some 5 mm where the hand hardly turns); absent = unknown"""
     on: Name = "flange"
     """flange, base, or a link's name"""
     fixed: bool = False
