@@ -89,10 +89,11 @@ def test_a_joint_that_scatters_more_is_told_from_the_others(seed):
 
 
 def _told_of(points, sigma, plan):
-    """Where the unknown sits that a diagnosis of points (N, T, 3) tells under a stated noise."""
-    (left,) = diagnose(replace(plan, points=points, noise_sigma=sigma)).diagnosis.causes
-    assert left.cause == UNKNOWN
-    return left.where.joint
+    """In which joint the unknown sits that a diagnosis of points (N, T, 3) tells under a stated noise, if in
+    any."""
+    causes = diagnose(replace(plan, points=points, noise_sigma=sigma)).diagnosis.causes
+    assert [one.cause for one in causes] in ([], [UNKNOWN])
+    return causes[0].where.joint if causes else None
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])

@@ -14,12 +14,12 @@ from ..effects.given import Given
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 from ..robot.schema import GEOMETRY
-from .registration import UNKNOWN_TARGET
+from .registration import STATED_TARGET, UNKNOWN_TARGET
 
 GEOMETRY_PRIOR = (5e-3, 5e-3)  # m, rad
 LEVER_PRIOR = (5e-4, 5e-4)  # m, rad, of a correction that no point shows: it changes levers of loads alone
 AS_STATED = (1e-7, 1e-7)  # m, rad, of a correction that is not fitted
-TARGET_PRIOR = 5e-3  # m, of a stated target: where the hand hardly turns nothing else holds it
+TARGET_PRIOR = 5e-3  # m, of a stated target, where it takes up nothing of what the geometry errs by
 FRAME_PRIOR = 10.0  # m, rad: as good as none
 
 
@@ -81,7 +81,9 @@ def columns(
         prior += [FRAME_PRIOR] * 6
     targets: list[tuple[int, int | None, slice]] = []
     for k, setup in enumerate(campaign.setup_names):
-        for i, label, keys, spread in _free_targets(problem, k):
+        for i, label, keys, spread in _free_targets(
+            problem, k, TARGET_PRIOR if geometry is True else STATED_TARGET
+        ):
             targets.append((k, i, slice(len(names), len(names) + len(keys))))
             names += [f"target/{setup}/{label}/{key}" for key in keys]
             prior += spread
@@ -116,17 +118,20 @@ def effect_names(effect: Effect) -> list[str]:
     return [f"{path}/{p.name}" for p in effect.params]
 
 
-def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, tuple[str, ...], list[float]]]:
-    """Targets of a set-up that are fitted: index (None: all as one body), name, keys, priors."""
+def _free_targets(
+    problem: Problem, setup: int, known_to: float
+) -> list[tuple[int | None, str, tuple[str, ...], list[float]]]:
+    """Targets of a set-up that are fitted: index (None: all as one body), name, keys, priors. known_to: [m]
+    of those that are stated."""
     campaign = problem.campaign
     seen = problem.seen[campaign.poses.setup == setup].any(axis=0)
     free = [i for i, target in enumerate(campaign.targets) if seen[i] and not target.fixed]
     stated = [campaign.targets[i].xyz is not None for i in free]
     if campaign.six_dof and free:
-        spread = [TARGET_PRIOR] * 3 + [0.2] * 3 if all(stated) else [UNKNOWN_TARGET] * 3 + [FRAME_PRIOR] * 3
+        spread = [known_to] * 3 + [0.2] * 3 if all(stated) else [UNKNOWN_TARGET] * 3 + [FRAME_PRIOR] * 3
         return [(None, "body", GEOMETRY, spread)]
     return [
-        (i, campaign.targets[i].name, ("x", "y", "z"), [TARGET_PRIOR if known else UNKNOWN_TARGET] * 3)
+        (i, campaign.targets[i].name, ("x", "y", "z"), [known_to if known else UNKNOWN_TARGET] * 3)
         for i, known in zip(free, stated, strict=True)
     ]
 

@@ -14,10 +14,9 @@ from .noise import Covariance
 def fit_set_up(model: Model, start: State, noise: Covariance) -> Fit:
     """Frames and targets of a robot of which nothing else is fitted.
 
-    What the robot errs by counts as noise, and of no more joint positions than its geometry has numbers, as
-    it errs alike at others: by the instrument's alone, or by what many positions leave on average, a target
-    that they hardly tell from the frame (a tool that never turns, but sags) would go far away for the
-    micrometres of error that it takes in there.
+    What the robot errs by counts as noise, and as one that all joint positions have in common: by the
+    instrument's alone, or by what many positions leave on average, a target that they hardly tell from the
+    frame (a tool that never turns, but sags) would go far away for the micrometres that it takes in there.
 
     Turns of a 6-D measurement count as much as they move its points: what such a robot errs by is neither the
     instrument's noise of turns nor what its joints scatter.
@@ -31,5 +30,4 @@ def fit_set_up(model: Model, start: State, noise: Covariance) -> Fit:
     if times <= 1:
         return found
     positions = int(model.problem.positions.max()) + 1
-    alike = max(1.0, positions / len(model.problem.corrections))
-    return fit(model, start, noise.times(times * np.sqrt(alike)), geometry=False)
+    return fit(model, start, noise.times(times * np.sqrt(positions)), geometry=False)
