@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -67,6 +68,15 @@ class Problem:
         return np.array(
             [self.arm.R_link[k] @ place for k, place in zip(self.on, np.array(places), strict=True)]
         )
+
+    def stating(self, places: Mapping[int, Array]) -> Problem:
+        """The same with other stated places (3,) [m] of some targets, by their numbers, in the frames behind
+        their slots; NaN = unknown."""
+        targets = list(self.campaign.targets)
+        for i, place in places.items():
+            x, y, z = (self.arm.R_link[self.on[i]].T @ place).tolist()
+            targets[i] = replace(targets[i], xyz=(x, y, z) if np.isfinite(place).all() else None)
+        return replace(self, campaign=replace(self.campaign, targets=tuple(targets)))
 
     @property
     def drives(self) -> int:

@@ -95,14 +95,13 @@ def _as_found(problem: Problem, final: Fit) -> Problem:
     campaign, fitted = problem.campaign, final.model.problem.campaign
     known = [fitted.setup_names.index(name) for name in campaign.setup_names if name in fitted.setup_names]
     names = [target.name for target in fitted.targets]
-    targets = list(campaign.targets)
-    for i, target in enumerate(targets):
+    found = dict[int, Array]()
+    for i, target in enumerate(campaign.targets):
         if known and target.name in names and target.xyz is not None:
             place = final.state.targets[known, names.index(target.name)].mean(axis=0)
             if np.linalg.norm(place - problem.stated_targets[i]) > USUAL:
-                x, y, z = (problem.arm.R_link[problem.on[i]].T @ place).tolist()
-                targets[i] = replace(target, xyz=(x, y, z))
-    return replace(problem, campaign=replace(campaign, targets=tuple(targets)))
+                found[i] = place
+    return problem.stating(found)
 
 
 test_figures.__test__ = False  # type: ignore[attr-defined]  # not a pytest function

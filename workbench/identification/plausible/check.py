@@ -8,7 +8,7 @@ one by one, and one that brings the rest back to the usual is named.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -123,11 +123,8 @@ def _placed(problem: Problem) -> tuple[Problem, list[str]]:
 
 def _restated(problem: Problem, mistake: Hypothesis) -> Problem:
     """The problem with the targets stated where they are without the mistake."""
-    mended, targets = mistake.undo(sample(problem)), list(problem.campaign.targets)
-    for i, slot, place in zip(mended.targets, mended.on, mended.stated, strict=True):
-        x, y, z = (problem.arm.R_link[slot].T @ place).tolist()
-        targets[i] = replace(targets[i], xyz=(x, y, z) if np.isfinite(place).all() else None)
-    return replace(problem, campaign=replace(problem.campaign, targets=tuple(targets)))
+    mended = mistake.undo(sample(problem))
+    return problem.stating(dict(zip(mended.targets, mended.stated, strict=True)))
 
 
 def judge(problem: Problem) -> Plausible:
