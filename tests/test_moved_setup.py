@@ -1,6 +1,9 @@
 """What is smooth in time is no step of the instrument or the tool."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from diagnosis_cases import measured, robot
 
 from workbench.campaign import join, load_campaign, write_campaign
@@ -45,6 +48,22 @@ def test_an_instrument_that_moved_in_one_of_several_campaigns_is_told_by_its_pos
     assert campaign.setup_names == ("first", "second", "second after pose second/25")
     assert np.bincount(campaign.poses.setup).tolist() == [40, 25, 15]
     assert campaign.seen.all()
+
+
+@pytest.mark.parametrize("first", [60, 74])
+def test_an_instrument_that_moved_in_one_of_two_set_ups_of_a_campaign_is_told(first):
+    """In the middle of the second one, or before its last six poses: these are no outliers."""
+    campaign = measured("ur5", poses=80, loads=(), seed=9, sigma=2e-5)
+    setup = (np.arange(80) >= 40).astype(int)
+    campaign = replace(campaign.with_poses(setup=setup), setup_names=("one day", "the next"))
+    assert prepare(campaign).faults == ()
+    campaign.points[40:] += 0.3
+    campaign.points[first:] += (4e-4, -5e-4, 3e-4)
+    prepared = prepare(campaign)
+    (fault,) = prepared.faults
+    assert (fault.kind, fault.pose_id) == ("moved_instrument", campaign.poses.ids[first])
+    assert np.bincount(prepared.problem.campaign.poses.setup).tolist() == [40, first - 40, 80 - first]
+    assert prepared.problem.campaign.seen.all()
 
 
 def test_a_tool_that_slips_is_found_among_few_poses_of_one_target():

@@ -35,6 +35,7 @@ from ..weighing.screen import SURVIVES, effective_dof, quadratic, reduce_columns
 from .rounded_joints import shared_rounding
 from .sag import sag
 
+LEAST_POSES = 20  # of a set-up in which a step is sought
 LEAST_BEFORE = 8  # poses before and after a jump
 JUMP = 0.1  # of the spread of the points, from which a step counts as a jump
 MOST = 0.5  # of what is beyond the noise, which a step explains
@@ -63,18 +64,37 @@ class Step:
 
 
 def step_in_time(result: Fit) -> Step | None:
-    """A moved instrument, or a tool that was mounted anew; None when nothing steps.
+    """A moved instrument, or a tool that was mounted anew, in any set-up of one campaign; None when nothing
+    steps.
 
     Every place in the measured order is tried; a step must stand out of a smooth drift clearly. Of rows that
     were measured in motion neighbours have much of their noise in common, and its wander looks like steps.
     """
     c = result.model.problem.campaign
-    if len(c.setup_names) > 1 or len(c.poses.q) < 20 or in_motion(c.poses.q, c.poses.time):
+    if c.beside or in_motion(c.poses.q, c.poses.time):  # each of several was asked alone
         return None
-    motions = _motions(result)
-    found = [_step(result, kind, columns) for kind, columns in motions.items()]
+    found = [_step_of(result, own) for own in _setups(c.poses.setup) if len(own) >= LEAST_POSES]
+    return max((one for one in found if one), key=lambda one: one.statistic, default=None)
+
+
+def _setups(setup: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The poses of each set-up, of the numbers (N,) of theirs."""
+    return [np.flatnonzero(setup == k) for k in np.unique(setup)]
+
+
+def _only(columns: Array, own: NDArray[np.int64]) -> Array:
+    """Columns (N, ...) in the poses `own`, 0 in others."""
+    out = np.zeros_like(columns)
+    out[own] = columns[own]
+    return out
+
+
+def _step_of(result: Fit, own: NDArray[np.int64]) -> Step | None:
+    """The clearest step among the poses `own` of a set-up; None where none is, or all creeps to rest."""
+    motions = {kind: _only(columns, own) for kind, columns in _motions(result).items()}
+    found = [_step(result, kind, columns, own) for kind, columns in motions.items()]
     step = max((one for one in found if one), key=lambda one: one.statistic, default=None)
-    if step is None or step.statistic < max(_creeping(result, columns) for columns in motions.values()):
+    if step is None or step.statistic < max(_creeping(result, columns, own) for columns in motions.values()):
         return None
     return step
 
@@ -85,10 +105,10 @@ def by_no_chance(result: Fit, step: Step, others: Sequence[Step]) -> bool:
     taken = Taken.by(result)
     for other in others:
         taken = taken.and_of(_of_setup(result, other, from_there=True))
-    base = _of_setup(result, step)
-    own, possible = np.flatnonzero(base.any(axis=(1, 2))), places(result.model.problem.positions)
+    base, problem = _of_setup(result, step), result.model.problem
+    own = np.flatnonzero(problem.campaign.poses.setup == problem.campaign.poses.setup[step.first])
     gain = gains_of(*prefix(taken, base, own))[int(np.searchsorted(own, step.first))]
-    return bool(gain > CLEARLY * by_chance(result, base, possible, taken))
+    return bool(gain > CLEARLY * by_chance(result, base, own, places(problem.positions[own]), taken))
 
 
 def _of_setup(result: Fit, step: Step, from_there: bool = False) -> Array:
@@ -106,12 +126,22 @@ def _motions(result: Fit) -> dict[DataFault, Array]:
 
 
 def jump(problem: Problem) -> Step | None:
-    """A step that is too large for a fit of all poses together, None where there is none.
+    """A step in a set-up that is too large for a fit of all its poses together, None where there is none.
 
     From one pose on, all are grossly off where the first ones put the arm, and agree among themselves.
     """
+    c = problem.campaign
+    for own in [] if c.beside else _setups(c.poses.setup):
+        step = _jump(replace(problem, campaign=c.some(own)))
+        if step is not None:
+            return replace(step, first=int(own[step.first]))
+    return None
+
+
+def _jump(problem: Problem) -> Step | None:
+    """The same of one set-up."""
     c, n_poses = problem.campaign, len(problem.q)
-    if len(c.setup_names) > 1 or n_poses < 4 * LEAST_BEFORE:
+    if n_poses < 4 * LEAST_BEFORE:
         return None
     order = np.arange(n_poses)
     first = place_stated(problem, order < max(LEAST_BEFORE, n_poses // 4))
@@ -163,37 +193,38 @@ def _prediction(problem: Problem, first: Placed, here: NDArray[np.bool_], there:
     return float(np.sqrt(np.sum(new.T * np.linalg.solve(A, new.T)) / (len(new) / 3)))
 
 
-def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
-    """The best step of the motions columns: (N, R, 6) of the points; None when none is clear."""
+def _step(result: Fit, kind: DataFault, columns: Array, own: NDArray[np.int64]) -> Step | None:
+    """The best step of the motions columns: (N, R, 6) of the points of the poses `own`; None when none is
+    clear."""
     base = np.matmul(result.whitener, columns)
-    n_poses = len(base)
-    before = prefix(Taken.by(result), base, np.arange(n_poses))
-    possible = places(result.model.problem.positions)
+    before = prefix(Taken.by(result), base, own)
+    possible = places(result.model.problem.positions[own])
     if not possible:
         return None
     gains = gains_of(*before)[possible]
     gain, first = float(gains.max()), possible[int(gains.argmax())]
     scatter = _scatter(result, gain)
-    step = base * (np.arange(n_poses) < first)[:, None, None]
-    drift = [
-        base * np.cos(k * np.pi * np.linspace(0, 1, n_poses))[:, None, None] for k in range(1, WAVES + 1)
-    ]
+    step, along = _only(base, own[:first]), np.zeros(len(base))
+    along[own] = np.linspace(0, np.pi, len(own))
+    drift = [base * np.cos(k * along)[:, None, None] for k in range(1, WAVES + 1)]
     if gain < 60 * scatter or _beside(result, step, drift) < 40 * scatter:
         return None
     if _beside_joints(result, step) < 60 * scatter:
         return None
     alike = scatter > 1.0 or shared_rounding(result)  # in a run the errors of rounding are
-    if alike and gain < CLEARLY * by_chance(result, base, possible, Taken.by(result)):
+    if alike and gain < CLEARLY * by_chance(result, base, own, possible, Taken.by(result)):
         return None
-    size, std = _size(result, columns, *(of[first] for of in before))
-    return Step(kind, first, size, gain) if size > SURE * std * np.sqrt(scatter) else None
+    size, std = _size(result, columns, own, *(of[first] for of in before))
+    return Step(kind, int(own[first]), size, gain) if size > SURE * std * np.sqrt(scatter) else None
 
 
-def _size(result: Fit, columns: Array, S: Array, u: Array, own: Array) -> tuple[float, float]:
-    """How far the points move by a step, rms [m], and the standard deviation of that. What the background
-    swallows of the step moves nothing."""
-    seen, half = result.model.problem.seen, half_of(S, own)
-    at_points = np.matmul(columns[:, : 3 * seen.shape[1]], half).reshape(*seen.shape, 3, -1)[seen]
+def _size(
+    result: Fit, columns: Array, own: NDArray[np.int64], S: Array, u: Array, length: Array
+) -> tuple[float, float]:
+    """How far the points of the poses `own` move by a step, rms [m], and the standard deviation of that. What
+    the background swallows of the step moves nothing."""
+    seen, half = result.model.problem.seen[own], half_of(S, length)
+    at_points = np.matmul(columns[own, : 3 * seen.shape[1]], half).reshape(*seen.shape, 3, -1)[seen]
     moved = at_points @ (half.T @ u)
     rms, std = (float(np.sqrt((by**2).sum() / len(moved))) for by in (moved, at_points))
     return rms, std
@@ -281,13 +312,14 @@ def _of_time(problem: Problem) -> list[Effect]:
     return [e for e in every if e.lasting and e.uses & {"time", "temperature"}]
 
 
-def _creeping(result: Fit, columns: Array) -> float:
-    """The most that motions columns: (N, R, 6) take off χ² where they creep to rest in the order of
-    measurement: what is fast at first looks like an early step."""
-    base, order, gains = np.matmul(result.whitener, columns), np.arange(len(columns), dtype=float), []
+def _creeping(result: Fit, columns: Array, own: NDArray[np.int64]) -> float:
+    """The most that motions columns: (N, R, 6) of the poses `own` take off χ² where they creep to rest in
+    the order of measurement: what is fast at first looks like an early step."""
+    base, order, gains = np.matmul(result.whitener, columns), np.zeros(len(columns)), []
+    order[own] = np.arange(len(own), dtype=float)
     for share in (SOONEST, *SHARES):
-        S, u, own = reduce_columns(result, base * share_gone(order, share * len(base))[:, None, None])
-        gains.append(quadratic(S, u, own)[0])
+        S, u, length = reduce_columns(result, base * share_gone(order, share * len(own))[:, None, None])
+        gains.append(quadratic(S, u, length)[0])
     return max(gains)
 
 

@@ -21,8 +21,9 @@ from ...identification.plausible import believed, check_rest, too_few_alone
 from ...robot.kinematics import Array
 from ..noise.noise_choice import choose, from_residual, of_distances, without_wild_repeats
 from ..result import FaultFound, Noise
+from ..weighing.places_of_steps import DIFFERENT
 from .mistaken_loads import mistaken_loads
-from .moved_setup import LEAST_BEFORE, jump, split_setup, step_in_time
+from .moved_setup import jump, split_setup, step_in_time
 from .moved_target import reseated
 from .rarely_seen import without_rarely_seen
 from .standstills import taken_together
@@ -97,7 +98,7 @@ def _cleaned(robust: Fit, noise: Covariance, known_effects: Acting, least: Array
     """Wild points out (`clean`). Many may be all that came before a step in time, or after: then it is two
     set-ups that are cleaned."""
     problem, cleaned, step = robust.model.problem, clean(robust, noise, known_effects, least), None
-    if len({fault.pose_id for fault in cleaned.faults if fault.kind == "outlier"}) >= LEAST_BEFORE:
+    if len({fault.pose_id for fault in cleaned.faults if fault.kind == "outlier"}) >= DIFFERENT:
         with suppress(ArithmeticError):
             step = step_in_time(fit(Model(problem, (), known_effects), robust.state, noise))
     if step is None:

@@ -100,7 +100,9 @@ def headline(
         missing = (
             f"{said}; beyond that nothing is missing" if said else f"Nothing {'else ' * besides}is missing"
         )
-        return f"{missing}{in_what}{_explained(errors, repeatability_mm)}. {gain}."
+        best = errors.stages[-1].heldout_rms_mm
+        with_all = f", {_mm(best)} mm with what the model has unsettled (notes)" if best < after else ""
+        return f"{missing}{in_what}{_explained(errors, repeatability_mm)}. {gain}{with_all}."
     few = after > MOST_SPREAD * errors.noise
     if few and errors.base.heldout_rms_mm > errors.stages[0].heldout_rms_mm:
         said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"

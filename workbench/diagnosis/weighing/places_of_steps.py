@@ -93,15 +93,18 @@ def half_of(S: Array, own: Array) -> Array:
     return np.asarray(axes / np.sqrt(size)[..., None, :] / length[..., :, None])
 
 
-def by_chance(result: Fit, base: Array, possible: Sequence[int], taken: Taken) -> float:
-    """The most that a step takes off χ² in the middle one of some orders of the positions, drawn at random:
+def by_chance(
+    result: Fit, base: Array, own: NDArray[np.int64], possible: Sequence[int], taken: Taken
+) -> float:
+    """The most that a step of the poses `own` takes off χ², at places `possible` among these, in the middle
+    one of some orders of the positions, drawn at random:
     what a model lacks is alike in a pose's points and in its repeats, and looks more like a step than as many
     independent errors do. So it does along a path and while most joints are held: such runs stay whole."""
     problem, rng = result.model.problem, np.random.default_rng(0)
     together = _alike(problem)
     most = []
     for _ in range(ORDERS):
-        order = np.argsort(rng.permutation(int(together.max()) + 1)[together], kind="stable")
+        order = own[np.argsort(rng.permutation(int(together.max()) + 1)[together[own]], kind="stable")]
         most.append(gains_of(*prefix(taken, base, order))[possible].max())
     return float(np.median(most))
 
