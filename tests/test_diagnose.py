@@ -597,6 +597,19 @@ def test_a_headline_with_much_that_is_open_says_the_first_of_it_and_how_many_mor
     assert said.startswith(f"Found: drift; not decided: {first}, and 3 more. Held-out")
 
 
+def test_nothing_missing_says_what_the_model_has_that_is_not_settled():
+    stages = [
+        Stage(name, 0, rms, rms, rms, rms)
+        for name, rms in (("nominal", 0.7), ("geometry", 0.05), ("what has no name", 0.04))
+    ]
+    said = headline("nothing_missing", [], Errors(stages, stages[1], 0.05, 0.04, 0.01, 0.05))
+    assert said.endswith(
+        "Held-out error 0.700 → 0.050 mm RMS, 0.040 mm with what the model has unsettled (notes)."
+    )
+    said = headline("nothing_missing", [], Errors(stages[:2], stages[1], 0.05, 0.05, 0.01, 0.05))
+    assert said.endswith("Held-out error 0.700 → 0.050 mm RMS.")
+
+
 def test_a_headline_does_not_name_what_is_open_and_brings_next_to_nothing():
     """Less than a tenth of the noise per axis (0.03 mm here): it is told under the causes."""
     stages = [
