@@ -10,7 +10,8 @@ import pytest
 
 from workbench import Truth, load_campaign, load_robot, plan, planned, problem_of, random_poses, simulate
 from workbench.cli.main import main
-from workbench.diagnosis.weighing.screen import screen
+from workbench.diagnosis.weighing.components import usual
+from workbench.diagnosis.weighing.screen import reduce_columns
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.records import parse_effect
 from workbench.files.faults import InputError
@@ -199,7 +200,8 @@ def test_lambda_is_that_of_the_diagnosis(kr500):
     chosen = np.arange(40)
     job = problem_of(simulate(take(offered, chosen), Truth(sigma=3e-5), seed=2))
     noise = Covariance(np.full(job.seen.shape, 3e-5), kr500.joint, np.ones(40))
-    S = screen(fit(Model(job), start_state(job), noise), pair).S
+    at = fit(Model(job), start_state(job), noise)
+    S = reduce_columns(at, np.concatenate([at.whitened(e) * usual(at, e) for e in pair], axis=2))[0]
     alone = [S[0, 0] - S[0, 1] ** 2 / S[1, 1], S[1, 1] - S[0, 1] ** 2 / S[0, 0]]
     assert space.criterion(space.measured(chosen), [pair, pair[::-1]]) == pytest.approx(alone, rel=0.02)
 

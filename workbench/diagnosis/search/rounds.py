@@ -33,6 +33,7 @@ from ..weighing.reduced import Index, reduce
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder, remainder
 from ..weighing.replication import enough_for_halves
 from ..weighing.scan import HIGHEST, LOWEST, Line, scan
+from ..weighing.screen import chance_of
 from ..weighing.sets import Competition
 from .stages import rms_mm
 
@@ -42,6 +43,7 @@ BETTER = 0.99  # of the held-out error: what counts as an improvement of a round
 LOOSE = 30.0  # usual sizes: a prior that holds nothing
 MOST_SCATTERING = 2  # joints that are looked at for functions of two others
 LIKELIER = 3.0  # log evidence, twenty times: what a search from elsewhere has to find more
+BY_CHANCE = 0.05  # of as much by a function that does nothing: what wanders so little hides in no scatter
 LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 
 
@@ -112,6 +114,8 @@ def converged(
         alone = _converged(geometry, Begun(geometry), candidates, noise_dof, noise_known, scatters=False)
         found = max(found, alone, key=lambda one: one.evidence(stated))
     for wandering in ways_to_wander(geometry.model.problem, candidates):
+        if chance_of(begun, wandering) > BY_CHANCE:
+            continue
         less = _begun(geometry, [*sided, wandering])
         if alike(less.noise, begun.noise):
             continue

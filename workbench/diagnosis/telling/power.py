@@ -15,7 +15,7 @@ from ...identification.fit import Fit
 from ...robot.kinematics import RZ, Array
 from ..candidates import ways_to_wander
 from ..result import Detectable, NotTestable
-from ..weighing.screen import FAINT, SURVIVES, screen
+from ..weighing.screen import FAINT, SURVIVES, effective_dof, shown
 
 POWER = 0.8
 FALSE_ALARM = 0.004  # chance that clean data show some cause of the catalogue
@@ -31,21 +31,17 @@ def needed(rank: int, alpha: float) -> float:
 def detectable(candidates: Sequence[Effect], final: Fit, known: bool) -> Iterator[Detectable]:
     """Smallest size of every cause that would have been found with 80 % power, whatever its phase."""
     candidates = [e for e in candidates if e.whole and e not in final.model.effects and len(e.params) < MANY]
-    if not candidates:
-        return
-    table = screen(final, candidates)
-    scale = 1.0 if known else float(np.sqrt(final.chi2 / max(table.dof, 1.0)))
+    scale = 1.0 if known else float(np.sqrt(final.chi2 / max(effective_dof(final, drives=True), 1.0)))
     best: dict[tuple[str, Where], Detectable] = {}
-    for k, effect in enumerate(candidates):
-        part = table.parts[k]
-        S, own = table.S[part, part], table.own[part]
-        if own.min() <= FAINT:
+    for effect in candidates:
+        left = shown(final, effect)
+        if left.own.min() <= FAINT:
             continue
-        length = np.sqrt(own)
-        values = np.linalg.eigvalsh(S / np.outer(length, length))
+        length = np.sqrt(left.own)
+        values = np.linalg.eigvalsh(left.S / np.outer(length, length))
         if values[0] <= SURVIVES:
             continue
-        info = S / np.outer(table.scale[part], table.scale[part])
+        info = left.S / np.outer(left.scale, left.scale)
         weakest = float(np.linalg.eigvalsh(info)[0])
         size = scale * float(np.sqrt(needed(len(values), FALSE_ALARM / len(candidates)) / weakest))
         size, unit = effect.reported_size(size)
@@ -78,20 +74,22 @@ def swallowed(
     final fit, in which joints may yield to them. told: what is among the causes or their rivals."""
     hidden = _hidden(candidates, geometry)
     loads = [effect for effect in candidates if effect.acts == "load" and effect.key in hidden]
-    shown = {effect.key for effect in loads}.difference(_hidden(loads, final) if loads else ())
-    gone = shown.union(told)
+    visible = {effect.key for effect in loads}.difference(_hidden(loads, final) if loads else ())
+    gone = visible.union(told)
     return [NotTestable(key[0], why, key[1]) for key, why in hidden.items() if key not in gone]
 
 
 def _hidden(candidates: Sequence[Effect], at: Fit) -> dict[tuple[str, Where], str]:
     """Those without a pattern of their own beside what a fit has, and why."""
-    pool, problem = screen(at, candidates), at.model.problem
     visible, hidden = set[tuple[str, Where]](), dict[tuple[str, Where], str]()
-    for k, effect in enumerate(candidates):
-        if pool.rank(k):
+    for effect in candidates:
+        if effect.key in visible:
+            continue
+        left = shown(at, effect)
+        if left.rank:
             visible.add(effect.key)
         elif effect.key not in hidden:
-            hidden[effect.key] = _why(effect, pool.own[pool.parts[k]], problem, at)
+            hidden[effect.key] = _why(effect, left.own, at.model.problem, at)
     return {key: why for key, why in hidden.items() if key not in visible}
 
 

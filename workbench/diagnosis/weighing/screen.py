@@ -6,11 +6,11 @@ geometry, frames and targets can explain (within their priors): u = Gᵀ e, S = 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
+from scipy.special import chdtrc
 
 from ...effects.base import Effect
 from ...identification.fit import Fit
@@ -22,25 +22,19 @@ FAINT = 1e-2  # length² (a λ) below which a typical size of a cause moves noth
 
 
 @dataclass(frozen=True)
-class Screen:
-    """Candidates in reduced form. `parts[k]` are the columns of candidate k.
+class Shown:
+    """What a background leaves of one candidate with p numbers. S: (p, p) in units where each number is
+    counted in its usual size `scale` (p,); own: (p,) length² of its columns before projection."""
 
-    S: (g, g), u: (g,) in units where every column's parameter is counted in its usual size `scale`; own:
-    (g,) length² of the columns before projection; dof: of the whitened residual.
-    """
-
-    parts: tuple[slice, ...]
     S: Array
-    u: Array
     own: Array
-    dof: float
     scale: Array
 
-    def rank(self, k: int) -> int:
-        """Rank of what the background leaves of candidate k; columns that move nothing drop out."""
-        part = self.parts[k]
-        own = np.where(self.own[part] > FAINT, self.own[part], np.inf)
-        return quadratic(self.S[part, part], self.u[part], own)[1]
+    @property
+    def rank(self) -> int:
+        """Of what the background leaves; columns that move nothing drop out."""
+        own = np.where(self.own > FAINT, self.own, np.inf)
+        return quadratic(self.S, np.zeros(len(own)), own)[1]
 
 
 def quadratic(S: Array, u: Array, own: Array) -> tuple[float, int]:
@@ -72,8 +66,8 @@ def reduce_columns(fit: Fit, G: Array) -> tuple[Array, Array, Array]:
 def along_own(fit: Fit, flat: Array) -> Array:
     """(P, g) what a fit's own numbers take of whitened columns (rows, g), through its factor: Zᵀ Z of their
     products."""
-    J = fit.J.reshape(-1, fit.J.shape[2]) * fit.columns.prior
-    return np.asarray(solve_triangular(fit.upper, J.T @ flat, trans="T", check_finite=False))
+    across = (fit.normal.J.rows.T @ flat) * fit.columns.prior[:, None]
+    return np.asarray(solve_triangular(fit.upper, across, trans="T", check_finite=False))
 
 
 def still_to_go(fit: Fit) -> Array:
@@ -89,15 +83,15 @@ def effective_dof(fit: Fit, drives: bool = False) -> float:
     return rows - (len(fit.upper) - float((inverse**2).sum()))
 
 
-def screen(fit: Fit, candidates: Sequence[Effect]) -> Screen:
-    """Reduced form of all candidates at a fit. Effects of the fit's model are background."""
-    blocks, parts, scale, at = [], [], [], 0
-    for effect in candidates:
-        typical = usual(fit, effect)
-        blocks.append(fit.model.effect_jacobian(fit.line, effect, np.zeros(len(typical))) * typical)
-        parts.append(slice(at, at + len(typical)))
-        scale.append(typical)
-        at += len(typical)
-    G = np.matmul(fit.whitener, np.concatenate(blocks, axis=2))
-    S, u, own = reduce_columns(fit, G)
-    return Screen(tuple(parts), S, u, own, effective_dof(fit, drives=True), np.concatenate(scale))
+def chance_of(fit: Fit, effect: Effect) -> float:
+    """Probability that a function which does nothing takes as much off χ² beside a fit as this one does."""
+    S, u, own = reduce_columns(fit, fit.whitened(effect))
+    statistic, rank = quadratic(S, u, np.where(own > 0, own, np.inf))
+    return float(chdtrc(rank, statistic)) if rank else 1.0
+
+
+def shown(fit: Fit, effect: Effect) -> Shown:
+    """What a fit leaves of a candidate by itself. Effects of the fit's model are background."""
+    scale = usual(fit, effect)
+    S, _, own = reduce_columns(fit, fit.whitened(effect) * scale)
+    return Shown(S, own, scale)
