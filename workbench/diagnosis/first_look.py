@@ -12,6 +12,7 @@ from ..campaign.problem import Problem, problem_of
 from ..effects import catalogue
 from ..effects.given import exclusions, given_facts
 from ..files.faults import Fault, InputError
+from ..identification.iso_9283 import Repeatability, repeatability
 from ..identification.plausible import believed
 from ..identification.registration import register
 from ..robot.kinematics import Array
@@ -27,8 +28,9 @@ class FirstLook:
 
     points: (M, 3) [m] measured, in the base frame; error: (M, 3) [m] measured minus nominal; pose, target:
     (M,) their numbers; suspicious: (M,) far off the others; usual: [m] the median distance; q: (n,) joints of
-    the middle pose. not_testable: causes that such data cannot show. wrong: why joints, points and robot do
-    not belong together; remarks: what is worth a word of it.
+    the middle pose. repeats: what repeated poses show, where there are enough. not_testable: causes that such
+    data cannot show. wrong: why joints, points and robot do not belong together; remarks: what is worth a
+    word of it.
     """
 
     campaign: Campaign
@@ -39,6 +41,7 @@ class FirstLook:
     suspicious: NDArray[np.bool_]
     usual: float
     q: Array
+    repeats: Repeatability | None
     not_testable: tuple[NotTestable, ...]
     remarks: tuple[str, ...]
     wrong: tuple[Fault, ...]
@@ -89,6 +92,7 @@ def first_look(campaign: Campaign) -> FirstLook:
         distance > SUSPICIOUS * usual,
         usual,
         problem.q[middle],
+        repeatability(problem),
         tuple(NotTestable(cause, why) for cause, why in missing if why is not None),
         (*remarks, *far_too_much(problem, error[carried]), *torque_columns.remarks(problem)),
         wrong,

@@ -17,8 +17,9 @@ ROOM = 3.0  # times as many degrees of freedom as functions are tried
 DRAWS, SURELY = 24, 3.0  # of the same functions in random order; standard deviations that are no chance
 
 
-def repeat_groups(problem: Problem) -> NDArray[np.int64]:
-    """(N,) number of the group of repeats of each pose (equal command, load, set-up and approach)."""
+def repeat_groups(problem: Problem, sides: bool = True) -> NDArray[np.int64]:
+    """(N,) number of the group of repeats of each pose: of equal command, load and set-up; and approach, if
+    sides count."""
     c = problem.campaign
     parts = [
         np.round(c.poses.q, 9),
@@ -26,7 +27,7 @@ def repeat_groups(problem: Problem) -> NDArray[np.int64]:
         np.round(c.poses.wrench, 6),
         c.poses.setup[:, None],
     ]
-    if c.poses.side is not None:
+    if sides and c.poses.side is not None:
         parts.append(c.poses.side)
     _, group = np.unique(np.hstack(parts), axis=0, return_inverse=True)
     return np.asarray(group.ravel(), dtype=np.int64)

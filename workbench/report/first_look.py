@@ -82,6 +82,8 @@ def check_campaign(look: FirstLook) -> Checked:
         f"where the URDF has them; {calibrated}",
         f"instrument: {_noise(look)}",
     ]
+    if look.repeats:
+        read.append(look.repeats.sentence)
     if pulled := external_forces(campaign):
         read.append(f"external forces {pulled}, on the base's axes as they act on the robot")
     sections: dict[str, Sequence[str]] = {"What was read": read}
@@ -99,6 +101,7 @@ def check_campaign(look: FirstLook) -> Checked:
         "n_points": len(mm),
         "median_mm": usual,
         "max_mm": float(mm.max()),
+        "rp_mm": None if look.repeats is None else float(1e3 * look.repeats.rp.max()),
         "suspicious": [{"point": look.names[i], "off_mm": float(mm[i])} for i in bad],
         "warnings": [*look.remarks, *campaign.warnings],
         "wrong": [str(fault) for fault in look.wrong],

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...files.faults import Fault, InputError
+from ..iso_9283 import repeatability
 
 ROOM = 3.0  # times as many measured numbers as the geometry has: fewer show little besides
 FRAME = 6  # numbers of an instrument's place
@@ -28,6 +29,8 @@ def enough_poses(problem: Problem) -> list[str]:
     )
     if measured < geometry:
         mend = f"measure {wanted} poses or more: workbench plan {name} --poses {wanted}"
+        if repeatability(problem):
+            mend += "; workbench check tells how they repeat"
         raise InputError(Fault(str(problem.campaign.path), f"{said}: they do not identify it", mend))
     return [f"{said}: what these poses do not show may well be there. {wanted} poses would show it."]
 
