@@ -96,6 +96,19 @@ def test_missing_meshes_cost_nothing_but_a_line(tmp_path):
     assert len(scene_of(robot, nothing(), "acme")) > 1e6
 
 
+@pytest.mark.parametrize(
+    "shape", ['<box size="0 0 0"/>', '<cylinder radius="0.1" length="0"/>', '<sphere radius="0.0"/>']
+)
+def test_a_shape_of_no_size_is_left_out(tmp_path, shape):
+    """Published URDFs have such where a link has no picture; Drake ends the process for them."""
+    text = example.robot(example.arm(package="elsewhere"))
+    text = re.sub("<mesh [^>]*/>", shape, text)
+    assert shape in text
+    robot = published(tmp_path, text)
+    assert shape not in shown_text(robot)
+    assert len(scene_of(robot, nothing(), "acme")) > 1e6
+
+
 def test_a_broken_mesh_is_left_out(tmp_path):
     urdf = example.package(tmp_path / "cloned")
     (tmp_path / "cloned/meshes/part.dae").write_text("<COLLADA")

@@ -173,13 +173,21 @@ def _add_visual(
     material = source.find("material")
     colour = None if material is None else _rgba(urdf, material)
     if shape.tag != "mesh":
-        _visual(body, source, place, shape.tag, dict(shape.attrib), colour)
+        if _is_a_body(shape, place):
+            _visual(body, source, place, shape.tag, dict(shape.attrib), colour)
         return
     for part in pictures.get(mesh_key(shape), []):
         file = part.file
         name = f"file://{file.resolve()}" if beside is None else file.relative_to(beside).as_posix()
         keys = {"filename": name, "scale": _text(part.scale)}
         _visual(body, source, place, "mesh", keys, part.colour or colour)
+
+
+def _is_a_body(shape: ET.Element, place: str) -> bool:
+    """Whether a box, cylinder or sphere is more than nothing: some URDFs have one of size 0, which Drake
+    refuses, where a link has no picture."""
+    sizes = [number(shape, key, place) for key in ("radius", "length") if key in shape.attrib]
+    return min([*sizes, *vector(shape, "size", place, (1.0, 1.0, 1.0))]) > 0
 
 
 def _visual(
