@@ -181,6 +181,36 @@ def test_where_nothing_is_seen_it_is_said() -> None:
         hidden.draw(5, np.random.default_rng(0))
 
 
+def test_bodies_that_end_where_others_begin_are_built_so(tmp_path: Path) -> None:
+    """The first link begins where its base ends. Drake takes it for no neighbour of the body below, on which
+    that is welded."""
+    places = {
+        "base": "",
+        "plinth": "0 0 0",
+        "first": "0 0 0.1575",
+        "second": "0 0 0.2025",
+        "third": "0.3 0 0",
+    }
+    long = {"base": "", "plinth": "0.1575", "first": "0.2025", "second": "", "third": ""}
+    links = [
+        f'<link name="{name}"><visual><origin xyz="0 0 {float(size) / 2}"/><geometry>'
+        f'<cylinder radius="0.04" length="{size}"/></geometry></visual></link>'
+        if size
+        else f'<link name="{name}"/>'
+        for name, size in long.items()
+    ]
+    joints = [
+        f'<joint name="{child}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{places[child]}"/><axis xyz="0 0 1"/><limit lower="-3" upper="3"/></joint>'
+        for (parent, child), kind in zip(pairwise(places), ("fixed", *["revolute"] * 3), strict=True)
+    ]
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{"".join([*links, *joints])}</robot>')
+    (tmp_path / "arm.toml").write_text('schema = 1\nname = "arm"\nurdf = "arm.urdf"\nflange = "third"\n')
+    here = reached(str(tmp_path / "arm.toml"), CellData())
+    turned = np.random.default_rng(0).uniform(-3, 3, (50, 3))
+    assert here.collisions.free(turned).all()
+
+
 def test_obstacles_may_be_called_as_they_like() -> None:
     """Two alike, as the floor, as a link of the robot, two alike on the flange: all of them are there."""
     names = ("fence", "fence", "floor", "link_2")

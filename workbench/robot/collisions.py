@@ -21,6 +21,7 @@ from .hulls import STANDING, Hull
 from .kinematics import Arm, Array
 from .plants import urdf_plant
 
+TOUCHES = 1e-6  # m: bodies that are nearer touch, as those that end where others begin
 ALWAYS = 0.95  # share of all poses in which bodies that touch are built so
 STEP = 0.2  # rad (m) of all joints together between two quick looks, which find most of what is in the way
 NEAR = 0.2  # m: how much room is measured at a look on a way; more counts as this
@@ -129,7 +130,7 @@ def collisions(
         often = Counter(pair for one in usual for pair, apart in one.items() if apart < nearer)
         return at_zero | {pair for pair, times in often.items() if times >= ALWAYS * len(seen)}
 
-    near, touch = built_so(0.0), built_so(-clearance)
+    near, touch = built_so(0.0), built_so(TOUCHES - clearance)
     for a, b in near - touch:  # they may come as near as they like, but no nearer than that
         checker.SetPaddingBetween(plant.GetBodyByName(a), plant.GetBodyByName(b), 0.0)
     for a, b in touch:
