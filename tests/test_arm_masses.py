@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_cases import measured
+from diagnosis_cases import SIGMA, measured
 
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.run import diagnose
@@ -72,6 +72,26 @@ def test_an_arm_without_masses_that_yields_under_loads_too_has_no_gear_that_errs
     assert rest.structure.startswith("depends on weights beyond joint_2, which the model lacks")
     assert rest.separate_by == "state the links' masses in the URDF"
     assert content(found)["next"] == f"What has no name may get one: {rest.separate_by}."
+
+
+def test_a_tool_that_is_always_there_is_not_told_from_masses_that_the_model_lacks(tmp_path):
+    """Nor is how much an arm gives: its torques are those of the masses."""
+    campaign = measured("irb120", YIELDS, poses=40, loads=(), tool=(1.5, (0.0, 0.0, 0.1)))
+    light = with_masses(campaign, tmp_path, np.zeros(20))
+    found = diagnose(light).diagnosis
+    (rest,) = found.causes
+    assert rest.structure.startswith("depends on weights beyond joint_2, which the model lacks")
+    assert (
+        found.stages[-1].heldout_rms_mm
+        < 1.3 * np.sqrt(3) * 1e3 * SIGMA
+        < 0.3 * found.stages[1].heldout_rms_mm
+    )
+    told = {item.cause: item.why for item in found.not_testable}
+    yields = {cause for cause, kind in catalogue().items() if kind.acts == "yielding"}
+    assert told.keys() >= {"payload", *yields}
+    assert all("state the masses, or measure with two loads" in told[cause] for cause in yields)
+    two = problem_of(with_masses(measured("irb120", poses=4, loads=(2.0,)), tmp_path, np.zeros(20)))
+    assert not any(catalogue()[cause].needs(two) for cause in ("payload", *yields))
 
 
 def test_nothing_takes_the_place_of_what_is_certain(tmp_path):

@@ -62,6 +62,17 @@ class Problem:
         return Loads(mass, moment, c.poses.wrench, np.zeros_like(c.poses.q), self.compensator)
 
     @cached_property
+    def weights_known(self) -> bool:
+        """Whether anything known bends the arm: the weights of its links, or loads that are not the same in
+        all poses. One load that is always there looks like the weights that an arm without masses has too."""
+        differ = (self.loads.mass[:, None], self.loads.moment, self.campaign.poses.wrench)
+        return bool(
+            self.arm.weighed
+            or not self.arm.gravity.any()
+            or any(np.ptp(each, axis=0).any() for each in differ if len(each))
+        )
+
+    @cached_property
     def stated_targets(self) -> Array:
         """Stated places of the targets (T, 3) [m] in the frames behind their slots; NaN = unknown."""
         places = [target.xyz or (np.nan,) * 3 for target in self.campaign.targets]

@@ -53,22 +53,23 @@ class Payload(MassEffect):
     def needs(cls, problem: Problem) -> str | None:
         if cls.sites(problem):
             return None
-        return "no payload or tool stated, and no masses in the URDF: state one of them"
+        return "no masses in the URDF, and no payload that is not always there: state the masses"
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Payload]:
-        """The payloads that are carried, and the tool: one that nobody stated where the model has masses,
-        unless a payload is in all poses, and so moves with it."""
-        c = problem.campaign
+        """The payloads that are carried, and the tool: one that nobody stated as well, unless a payload is in
+        all poses, and so moves with it. Where the model has no masses what is always there is a part of the
+        weights that it lacks."""
+        c, weighed = problem.campaign, problem.arm.weighed
         carried = [i for i in range(1, len(c.payload_names)) if (c.poses.payload == i).any()]
         loads = [
             (c.payload_names[i], float(c.load_mass[i]), float(c.load_mass[i]), np.inf, c.load_com[i], False)
             for i in carried
-            if c.load_mass[i] > 0
+            if c.load_mass[i] > 0 and (weighed or (c.poses.payload != i).any())
         ]
         one_always = len(carried) == 1 and c.poses.payload.all() and c.load_mass[carried[0]] > 0
-        if c.tool_mass > 0 or (problem.arm.weighed and not one_always):
-            most = max(float(problem.arm.mass.sum()), c.tool_mass) if problem.arm.weighed else np.inf
+        if weighed and (c.tool_mass > 0 or not one_always):
+            most = max(float(problem.arm.mass.sum()), c.tool_mass)
             loads.append((c.tool_name, c.tool_mass, usually_mounted(problem), most, c.tool_com, True))
         return [
             cls(Where(payload=name), variant, mass, usual, most, (float(x), float(y), float(z)), always)
