@@ -221,9 +221,10 @@ def from_residual(result: Fit) -> tuple[Covariance, Noise]:
         new = replace(result.noise, sigma=np.full_like(result.noise.sigma, _left(result)))
     sigma, shared = 1e3 * new.usual, 1e3 * _shared(result.line.by_joint, new, body_motion(problem))
     also = f", and {shared:.4f} mm per axis that the points of a pose share," if shared else ""
+    repeated = "repeated" if problem.campaign.poses.side is None else "repeated from the same sides"
     sentence = (
-        f"No noise was stated and no pose repeated: {sigma:.4f} mm per axis{also} is what the model leaves. "
-        "Whether that is noise cannot be judged; only what depends on something can be found."
+        f"No noise was stated and no pose {repeated}: {sigma:.4f} mm per axis{also} is what the model "
+        "leaves. Whether that is noise cannot be judged; only what depends on something can be found."
     )
     return new, Noise(sigma, "residual", sentence, shared or None)
 
