@@ -215,3 +215,15 @@ def test_a_study_on_a_full_disk_keeps_what_is_done(
     assert 1 < before < len(keys)
     assert guarded(run) == 0
     assert did == [*keys[:before], *keys[before - 1 :]]
+
+
+def test_an_assertion_of_drake_ends_a_command_and_shows_where_when_asked(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from pydrake.geometry import Box
+
+    assert guarded(lambda: Box(0.0, 1.0, 1.0) and None) == 1
+    assert "failed: SystemExit: Box(): condition" in capsys.readouterr().err
+    monkeypatch.setenv("WORKBENCH_DEBUG", "1")
+    with pytest.raises(AssertionError, match=r"Box\(\): condition"):
+        guarded(lambda: Box(0.0, 1.0, 1.0) and None)

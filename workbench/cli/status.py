@@ -66,6 +66,8 @@ def guarded(action: Callable[[], int | None]) -> int:
     except SystemExit as error:
         if not isinstance(error.code, str):
             raise
+        if os.environ.get("WORKBENCH_DEBUG"):
+            raise AssertionError(error.code) from error  # Python ends on the other without a word of where
         return _failed(error)  # Drake's assertions
     except Exception as error:
         if os.environ.get("WORKBENCH_DEBUG"):
