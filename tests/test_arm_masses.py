@@ -9,6 +9,7 @@ import pytest
 from diagnosis_cases import SIGMA, measured
 
 from workbench.campaign.problem import problem_of
+from workbench.diagnosis.candidates import untold
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.weighing.components import Component, Form
 from workbench.diagnosis.weighing.gram import Stored
@@ -90,8 +91,9 @@ def test_a_tool_that_is_always_there_is_not_told_from_masses_that_the_model_lack
     yields = {cause for cause, kind in catalogue().items() if kind.acts == "yielding"}
     assert told.keys() >= {"payload", *yields}
     assert all("state the masses, or measure with two loads" in told[cause] for cause in yields)
+    assert not any(catalogue()[cause].needs(problem_of(light)) for cause in ("payload", *yields))  # they act
     two = problem_of(with_masses(measured("irb120", poses=4, loads=(2.0,)), tmp_path, np.zeros(20)))
-    assert not any(catalogue()[cause].needs(two) for cause in ("payload", *yields))
+    assert not any(untold(catalogue()[cause], two) for cause in ("payload", *yields))
 
 
 def test_nothing_takes_the_place_of_what_is_certain(tmp_path):

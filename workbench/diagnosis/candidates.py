@@ -11,7 +11,16 @@ from ..effects.place import Where
 from ..effects.unnamed import unnamed
 from .result import NotTestable
 
+NO_WEIGHTS = "no masses in the URDF, and one load in all poses: state the masses, or measure with two loads"
 AS_ROUNDED = "many poses have one written value of it, so coarse that its rounding may be all that is left"
+
+
+def untold(kind: type[Effect], problem: Problem) -> str | None:
+    """Why a campaign cannot tell of a cause; None where it can. Where the model has no masses one load that
+    is always there looks like these: neither it nor what yields is told."""
+    if (why := kind.needs(problem)) or problem.weights_known:
+        return why
+    return NO_WEIGHTS if kind.acts == "yielding" or not kind.sites(problem) else None
 
 
 def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:
@@ -19,7 +28,7 @@ def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:
     candidates: list[Effect] = []
     missing: list[NotTestable] = []
     for cause, kind in catalogue().items():
-        why = kind.needs(problem)
+        why = untold(kind, problem)
         if why is not None:
             missing.append(NotTestable(cause, why))
             continue

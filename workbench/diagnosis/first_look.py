@@ -16,6 +16,7 @@ from ..identification.iso_9283 import Repeatability, repeatability
 from ..identification.plausible import believed
 from ..identification.registration import register
 from ..robot.kinematics import Array
+from .candidates import untold
 from .noise.distances import far_too_much
 from .result import NotTestable
 
@@ -82,7 +83,7 @@ def first_look(campaign: Campaign) -> FirstLook:
     carried = np.array(problem.on)[target] > 0
     usual = float(np.median(distance[carried] if carried.any() else distance))
     middle = np.argmin(np.linalg.norm(problem.q - np.median(problem.q, axis=0), axis=1))
-    missing = [(cause, kind.needs(problem)) for cause, kind in catalogue().items()]
+    missing = [(cause, untold(kind, problem)) for cause, kind in catalogue().items()]
     return FirstLook(
         campaign,
         points,

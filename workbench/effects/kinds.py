@@ -16,7 +16,6 @@ from .base import Acts, Depends, Effect, Rest, Slopes
 from .drawn import Drawn
 
 GRID = 200  # points of a drawn curve
-NO_WEIGHTS = "no masses in the URDF, and one load in all poses: state the masses, or measure with two loads"
 MOST_TURN, MOST_SHIFT = 6e-3, 2e-3  # rad, m: one sigma of how far a part of an arm gives way
 
 
@@ -106,10 +105,6 @@ class YieldEffect(Effect):
     def kin(self) -> Hashable:
         """Real arms yield in other forms than these, and everywhere a little."""
         return "yield"
-
-    @classmethod
-    def needs(cls, problem: Problem) -> str | None:
-        return None if problem.weights_known else NO_WEIGHTS
 
     @abstractmethod
     def slot(self, arm: Arm) -> int:

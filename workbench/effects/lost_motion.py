@@ -56,9 +56,9 @@ class LostMotion(AxialYield):
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
-        if not cls.sites(problem):
-            return "no joint carries any torque: state masses in the URDF, or measure with a payload"
-        return super().needs(problem)
+        if cls.sites(problem):
+            return None
+        return "no joint carries any torque: state masses in the URDF, or measure with a payload"
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[LostMotion]:

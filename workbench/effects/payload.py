@@ -51,25 +51,30 @@ class Payload(MassEffect):
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
-        if cls.sites(problem):
+        if cls.places(problem):
             return None
-        return "no masses in the URDF, and no payload that is not always there: state the masses"
+        return "no payload or tool stated, and no masses in the URDF: state one of them"
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Payload]:
-        """The payloads that are carried, and the tool: one that nobody stated as well, unless a payload is in
-        all poses, and so moves with it. Where the model has no masses what is always there is a part of the
-        weights that it lacks."""
-        c, weighed = problem.campaign, problem.arm.weighed
+        """Where the model has no masses, what is always there is told from none of those that it lacks."""
+        weighed = problem.arm.weighed
+        return [one for one in cls.places(problem) if weighed or one._carried(problem).min() == 0]
+
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[Payload]:
+        """The payloads that are carried, and the tool: one that nobody stated where the model has masses,
+        unless a payload is in all poses, and so moves with it."""
+        c = problem.campaign
         carried = [i for i in range(1, len(c.payload_names)) if (c.poses.payload == i).any()]
         loads = [
             (c.payload_names[i], float(c.load_mass[i]), float(c.load_mass[i]), np.inf, c.load_com[i], False)
             for i in carried
-            if c.load_mass[i] > 0 and (weighed or (c.poses.payload != i).any())
+            if c.load_mass[i] > 0
         ]
         one_always = len(carried) == 1 and c.poses.payload.all() and c.load_mass[carried[0]] > 0
-        if weighed and (c.tool_mass > 0 or not one_always):
-            most = max(float(problem.arm.mass.sum()), c.tool_mass)
+        if c.tool_mass > 0 or (problem.arm.weighed and not one_always):
+            most = max(float(problem.arm.mass.sum()), c.tool_mass) if problem.arm.weighed else np.inf
             loads.append((c.tool_name, c.tool_mass, usually_mounted(problem), most, c.tool_com, True))
         return [
             cls(Where(payload=name), variant, mass, usual, most, (float(x), float(y), float(z)), always)
@@ -77,12 +82,16 @@ class Payload(MassEffect):
             for variant in ("mass", "com")
         ]
 
+    def _carried(self, problem: Problem) -> Array:
+        """(N,) 1 in poses that carry it, else 0."""
+        c = problem.campaign
+        if self.always_there:
+            return np.ones(len(problem.q))
+        return np.asarray(c.poses.payload == c.payload_names.index(str(self.where.payload)), dtype=float)
+
     def _change(self, problem: Problem) -> tuple[Array, Array]:
         """(N, p) mass and (N, 3, p) first moment per unit of each parameter."""
-        c = problem.campaign
-        here = np.ones(len(problem.q))
-        if not self.always_there:
-            here = (c.poses.payload == c.payload_names.index(str(self.where.payload))).astype(float)
+        here = self._carried(problem)
         if self.variant == "mass":
             return here[:, None], here[:, None, None] * np.array(self.com)[:, None]
         return np.zeros((len(here), 3)), here[:, None, None] * np.eye(3)
