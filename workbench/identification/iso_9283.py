@@ -17,7 +17,7 @@ FEWEST = 5  # repeats of a position from which its spread is told; the standard 
 
 @dataclass(frozen=True)
 class Repeatability:
-    """Positions that were measured `FEWEST` times or more from one side (ISO 9283:1998, 7.2.3 and 7.2.2).
+    """Positions that were measured `FEWEST` times or more from one side (ISO 9283:1998).
 
     rp: (G,) [m] pose repeatability l̄ + 3 S_l of each, its largest target's, l being distances from the mean;
     repeats: (G,) how often; sides: (P,) [m] multi-directional variation vAP of the positions that were
