@@ -24,8 +24,7 @@ from .prepared import Prepared, Progress, prepare
 from .result import Diagnosis, NotTestable
 from .search.also_yields import with_what_also_yields
 from .search.competition import Selection, compete
-from .search.off_form import with_own_forms
-from .search.worth import worth_it
+from .search.refuted import with_none_refuted
 from .telling.findings import Parts, assemble
 
 Given = Campaign | str | Path
@@ -143,8 +142,8 @@ def _search(
         prepared, selection = finer, compete(finer, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
+    selection = with_none_refuted(prepared, selection, candidates, seed)
     noise, known = prepared.covariance, prepared.noise_known
-    selection = with_own_forms(worth_it(selection, seed), noise, known, seed)
     return prepared, with_what_also_yields(selection, candidates, noise, known, seed)
 
 
