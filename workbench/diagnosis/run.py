@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -22,9 +22,8 @@ from .data_faults.wild_points import wild_beside
 from .given import Searched, search_with_given
 from .prepared import Prepared, Progress, prepare
 from .result import Diagnosis, NotTestable
-from .search.also_yields import with_what_also_yields
 from .search.competition import Selection, compete
-from .search.refuted import with_none_refuted
+from .search.refuted import judged, with_none_refuted
 from .telling.findings import Parts, assemble
 
 Given = Campaign | str | Path
@@ -96,6 +95,8 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
         prepared = mended
         progress("testing causes without the data faults that they hid")
         found, not_testable = _searched(prepared, seed, progress, since)
+    selection = with_none_refuted(found.prepared, found.selection, found.candidates, seed)
+    found = replace(found, selection=selection)
     progress("writing down what was found")
     missing = (*not_testable, *found.not_testable)
     parts = Parts(found.prepared, found.selection, found.candidates, missing, seed, test, found.said)
@@ -142,9 +143,7 @@ def _search(
         prepared, selection = finer, compete(finer, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
-    selection = with_none_refuted(prepared, selection, candidates, seed)
-    noise, known = prepared.covariance, prepared.noise_known
-    return prepared, with_what_also_yields(selection, candidates, noise, known, seed)
+    return prepared, judged(prepared, selection, candidates, seed)
 
 
 def _all_loaded(campaigns: Given | Sequence[Given], known: Sequence[str]) -> list[Campaign]:
