@@ -59,6 +59,15 @@ class Poses:
         return np.asarray(np.unique(self._places, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
 
     @property
+    def by_setup(self) -> list[IntArray]:
+        """Numbers of the poses of each set-up."""
+        return [np.flatnonzero(self.setup == k) for k in np.unique(self.setup)]
+
+    def in_setup_of(self, pose: int) -> IntArray:
+        """Numbers of the poses of the set-up of one."""
+        return np.flatnonzero(self.setup == self.setup[pose])
+
+    @property
     def runs(self) -> IntArray:
         """(N,) number of the run of poses on end in which more than half of the joints that move are held."""
         moving = np.ptp(self.q, axis=0) > HELD

@@ -154,7 +154,7 @@ class Prepared:
         where that leaves poses enough to place frame and targets."""
         problem, taken = self.problem, list[Step]()
         for step in steps:
-            own = np.flatnonzero(problem.campaign.poses.setup == problem.campaign.poses.setup[step.first])
+            own = problem.campaign.poses.in_setup_of(step.first)
             if int(np.searchsorted(own, step.first)) in places(problem.positions[own]):
                 problem = split_setup(problem, step.first)
                 taken.append(step)

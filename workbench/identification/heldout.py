@@ -26,8 +26,7 @@ def folds_of(problem: Problem, folds: int, seed: int) -> NDArray[np.int64]:
     rank = np.argsort(np.argsort(problem.campaign.poses.drawn(seed)[first]))
     groups = min(folds, len(first))
     fold = np.asarray((rank * groups // len(first))[block.ravel()])
-    setup = problem.campaign.poses.setup
-    for own in (np.flatnonzero(setup == k) for k in np.unique(setup)):
+    for own in problem.campaign.poses.by_setup:
         if len(np.unique(block.ravel()[own])) <= TELL_FRAME:
             fold[own] = (fold[own[0]] + np.arange(len(own))) % groups
     return fold

@@ -41,7 +41,7 @@ def recheck(
     k = int(np.flatnonzero(shape.pattern[:, 0])[-1])
     one = system.occasions[k]
     rows = np.flatnonzero(system.own == k)
-    poses = np.flatnonzero(one.problem.campaign.poses.setup == one.problem.campaign.poses.setup[0])
+    poses = one.problem.campaign.poses.in_setup_of(0)
     pick = rows.reshape(-1, len(rows) // len(one.problem.q))[poses]
     X = np.concatenate([system.J[pick][..., system.local[k]], system.J[pick][..., system.common]], axis=2)
     c = shape.columns[pick] @ value

@@ -73,13 +73,8 @@ def step_in_time(result: Fit) -> Step | None:
     c = result.model.problem.campaign
     if c.beside or in_motion(c.poses.q, c.poses.time):  # each of several was asked alone
         return None
-    found = [_step_of(result, own) for own in _setups(c.poses.setup) if len(own) >= LEAST_POSES]
+    found = [_step_of(result, own) for own in c.poses.by_setup if len(own) >= LEAST_POSES]
     return max((one for one in found if one), key=lambda one: one.statistic, default=None)
-
-
-def _setups(setup: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """The poses of each set-up, of the numbers (N,) of theirs."""
-    return [np.flatnonzero(setup == k) for k in np.unique(setup)]
 
 
 def _only(columns: Array, own: NDArray[np.int64]) -> Array:
@@ -102,22 +97,15 @@ def _step_of(result: Fit, own: NDArray[np.int64]) -> Step | None:
 def by_no_chance(result: Fit, step: Step, others: Sequence[Step]) -> bool:
     """Whether a step, beside others and a fit without any, takes clearly more off χ² than one does where the
     order of measurement is drawn at random: what a model lacks looks like steps too."""
-    taken = Taken.by(result)
+    taken, problem = Taken.by(result), result.model.problem
+    motions = {kind: np.matmul(result.whitener, columns) for kind, columns in _motions(result).items()}
     for other in others:
-        taken = taken.and_of(_of_setup(result, other, from_there=True))
-    base, problem = _of_setup(result, step), result.model.problem
-    own = np.flatnonzero(problem.campaign.poses.setup == problem.campaign.poses.setup[step.first])
+        there = problem.campaign.poses.in_setup_of(other.first)
+        taken = taken.and_of(_only(motions[other.kind], there[there >= other.first]))
+    own = problem.campaign.poses.in_setup_of(step.first)
+    base = _only(motions[step.kind], own)
     gain = gains_of(*prefix(taken, base, own))[int(np.searchsorted(own, step.first))]
     return bool(gain > CLEARLY * by_chance(result, base, own, places(problem.positions[own]), taken))
-
-
-def _of_setup(result: Fit, step: Step, from_there: bool = False) -> Array:
-    """(N, D, 6) whitened motions that a step is made of, in the poses of its set-up; or only from it on."""
-    setup = result.model.problem.campaign.poses.setup
-    here = setup == setup[step.first]
-    if from_there:
-        here &= np.arange(len(setup)) >= step.first
-    return np.where(here[:, None, None], np.matmul(result.whitener, _motions(result)[step.kind]), 0.0)
 
 
 def _motions(result: Fit) -> dict[DataFault, Array]:
@@ -131,7 +119,7 @@ def jump(problem: Problem) -> Step | None:
     From one pose on, all are grossly off where the first ones put the arm, and agree among themselves.
     """
     c = problem.campaign
-    for own in [] if c.beside else _setups(c.poses.setup):
+    for own in [] if c.beside else c.poses.by_setup:
         step = _jump(replace(problem, campaign=c.some(own)))
         if step is not None:
             return replace(step, first=int(own[step.first]))

@@ -95,8 +95,7 @@ class AtOnce(Stepping):
         return base_or_flange(problem, not self.of_tool)
 
     def stretches(self, problem: Problem) -> Sequence[Index]:
-        setup = problem.campaign.poses.setup
-        return [np.flatnonzero(setup == k) for k in np.unique(setup)]
+        return problem.campaign.poses.by_setup
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Self]:

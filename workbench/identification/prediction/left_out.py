@@ -120,9 +120,9 @@ class Leaver:
     def by_part(self, variance: float) -> LeftOut:
         """The poses of each part of the campaign, in the order of measurement within its set-ups: a part may
         stand elsewhere than its neighbours, and later."""
-        problem, setup = self.fit.model.problem, self.fit.model.problem.campaign.poses.setup
-        part = np.zeros(len(setup), dtype=np.int64)
-        for own in (np.flatnonzero(setup == k) for k in np.unique(setup)):
+        problem = self.fit.model.problem
+        part = np.zeros(len(problem.q), dtype=np.int64)
+        for own in problem.campaign.poses.by_setup:
             part[own] = np.arange(len(own)) * PARTS // len(own)
         unit, out = np.where(problem.arm.prismatic, 3.0, 1.0), []
         for k in range(PARTS):
