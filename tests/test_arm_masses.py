@@ -19,6 +19,8 @@ from workbench.effects import catalogue
 from workbench.effects.place import Where
 from workbench.effects.records import from_record, record
 from workbench.effects.unnamed.loads import OwnWeights, ToolsWeight
+from workbench.files.faults import InputError
+from workbench.measurement.design.causes import named_causes
 from workbench.report.content import content
 from workbench.robot.loads import wrenches
 
@@ -92,6 +94,9 @@ def test_a_tool_that_is_always_there_is_not_told_from_masses_that_the_model_lack
     assert told.keys() >= {"payload", *yields}
     assert all("state the masses, or measure with two loads" in told[cause] for cause in yields)
     assert not any(catalogue()[cause].needs(problem_of(light)) for cause in ("payload", *yields))  # they act
+    for cause in named_causes("joint_compliance:joint=joint_2,payload"):
+        with pytest.raises(InputError, match="state the masses, or measure with two loads"):
+            cause.effects(problem_of(light))
     two = problem_of(with_masses(measured("irb120", poses=4, loads=(2.0,)), tmp_path, np.zeros(20)))
     assert not any(untold(catalogue()[cause], two) for cause in ("payload", *yields))
 

@@ -1,5 +1,6 @@
 """Repeated poses, told as ISO 9283 does."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -56,6 +57,9 @@ def test_check_tells_it_and_a_refused_diagnosis_says_so(cube):
     assert checked.facts["rp_mm"] == pytest.approx(0.12, abs=0.03)
     with pytest.raises(InputError, match=r"workbench check tells how they repeat"):
         enough_poses(problem_of(cube))
+    assert re.search(
+        r"they do not identify it; measure \d+ poses or more: [^;]*$", checked.text, re.MULTILINE
+    )
     once = measured("irb120", poses=5, loads=(), targets=1)
     assert "9283" not in check_campaign(first_look(once)).text
     with pytest.raises(InputError, match=r"measure \d+ poses or more: workbench plan irb120 --poses \d+$"):

@@ -13,7 +13,7 @@ from ..effects import catalogue
 from ..effects.given import exclusions, given_facts
 from ..files.faults import Fault, InputError
 from ..identification.iso_9283 import Repeatability, repeatability
-from ..identification.plausible import believed
+from ..identification.plausible import believed, enough_poses
 from ..identification.registration import register
 from ..robot.kinematics import Array
 from .candidates import untold
@@ -95,9 +95,22 @@ def first_look(campaign: Campaign) -> FirstLook:
         problem.q[middle],
         repeatability(problem),
         tuple(NotTestable(cause, why) for cause, why in missing if why is not None),
-        (*remarks, *far_too_much(problem, error[carried]), *torque_columns.remarks(problem)),
+        (
+            *remarks,
+            *_few_poses(problem),
+            *far_too_much(problem, error[carried]),
+            *torque_columns.remarks(problem),
+        ),
         wrong,
     )
+
+
+def _few_poses(problem: Problem) -> list[str]:
+    """What the poses are too few for, to be told: beside others of the robot they need not be enough."""
+    try:
+        return enough_poses(problem)
+    except InputError as few:
+        return [f"{fault.what}; {fault.mend.partition('; ')[0]}" for fault in few.faults]
 
 
 def _known_wrong(problem: Problem) -> list[Fault]:

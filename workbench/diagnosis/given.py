@@ -14,6 +14,7 @@ from ..effects.given import CONTRADICTED, Exclusion, Given, exclusions, given_fa
 from ..effects.place import NOWHERE, Parameter
 from ..identification.fit import Fit
 from ..identification.rows import offset_of
+from .candidates import untold
 from .prepared import Prepared, Progress
 from .priors import PRIORS
 from .result import GivenFact, NotTestable
@@ -151,7 +152,7 @@ def _fact(fact: Given, seen: tuple[float, float], obeyed: Sequence[Given], resul
         differs = _differs(result, i)
         confirmed = f" The data confirm it: {differs}." if differs else ""
         sharper = f" With the data: {_plain(fitted)}." if fitted.std < SHARPER * given.std else ""
-        silent = _silent(fact.effect, result.model.problem)
+        silent = _silent(type(fact.effect), result.model.problem)
         sentence = f"Given and kept to: {said}.{confirmed or sharper}{silent}"
     elif fact.vague:
         sentence = (
@@ -182,9 +183,9 @@ def _differs(result: Fit, i: int) -> str:
     return fact.effect.sentence(np.array([value])).removesuffix(".")
 
 
-def _silent(kind: Effect | type[Effect], problem: Problem) -> str:
+def _silent(kind: type[Effect], problem: Problem) -> str:
     """A sentence where the data show nothing of a cause in any case; else nothing."""
-    why = kind.needs(problem)
+    why = untold(kind, problem)
     return f" These data say nothing of it: {why}." if why else ""
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...campaign.problem import Problem
+from ...diagnosis.candidates import untold
 from ...effects import catalogue
 from ...effects.base import Effect
 from ...effects.records import PLACE, parse_effect
@@ -43,7 +44,7 @@ class NamedCause:
 
     def effects(self, problem: Problem) -> list[Effect]:
         """What the cause may be: at every place and in every form left open. Raises InputError."""
-        why = self.kind.needs(problem)
+        why = untold(self.kind, problem)
         if why is not None:
             raise InputError(Fault(f"--tell {self.text}", why))
         # an order of its own, or a place that is not there (then with the fault of it)
