@@ -37,7 +37,7 @@ def loaded_model() -> tuple[Model, State]:
         payload=["heavy"] * LOADED_POSES,
     )
     problem = problem_of(plan)
-    model = Model(problem, tuple(JointCompliance.sites(problem)))
+    model = Model(problem, tuple(JointCompliance.each(problem)))
     state = model.start(np.eye(3)[None], np.zeros((1, 3)), problem.stated_targets[None])
     geometry = 3e-4 * rng.normal(size=state.geometry.shape)
     geometry[[0, -1]] = 0.0

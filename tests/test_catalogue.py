@@ -74,7 +74,7 @@ def test_what_acts_along_a_joint_moves_nothing_else(name, effect):
     if effect.acts == "transmission" and effect.axial:
         columns = set(effect.motion(case))
     elif effect.acts == "yielding":
-        columns = {6 * effect.slot(case.arm) + c for c in effect.components(case.arm)}
+        columns = {6 * one.slot(case.arm) + c for one in effect.parts for c in one.components(case.arm)}
     else:
         return
     own = {int(case.arm.axial[case.joint(effect.where.joint)])} if effect.where.joint else set()
@@ -119,13 +119,18 @@ def drives(case, effect, twin, direct):
 
 
 def springs(case, effect, twin, direct):
-    slot = effect.slot(case.arm)
+    for part in effect.parts:
+        has_springs(case, part, twin)
+
+
+def has_springs(case, part, twin):
+    slot = part.slot(case.arm)
     plant, C = twin.plant, twin.yielding.linear[slot]
     found = [plant.get_force_element(ForceElementIndex(i)) for i in range(plant.num_force_elements())]
     native = {e.joint().name(): e for e in found if isinstance(e, RevoluteSpring | PrismaticSpring)}
-    for c in effect.components(case.arm):
+    for c in part.components(case.arm):
         joint = twin.joints[slot, c]
-        if isinstance(effect, LinearYield) and not (C - np.diag(np.diag(C))).any():
+        if isinstance(part, LinearYield) and not (C - np.diag(np.diag(C))).any():
             spring = native[joint]
             rate = spring.stiffness() if isinstance(spring, PrismaticSpring) else spring.default_stiffness()
             assert rate == pytest.approx(1 / C[c, c], rel=1e-12)

@@ -37,7 +37,7 @@ def never_measured(trajectory: Trajectory) -> Iterator[str]:
     if other.any():
         yield (
             f"at {other.sum()} of {len(other)} samples the flange is loaded otherwise than it was when the "
-            "robot was measured: how it yields to that is extrapolated"
+            "robot was measured: how it yields to that is extrapolated; measure it under such loads as well"
         )
     yield from _warmer(trajectory, data)
 

@@ -16,7 +16,7 @@ from ..robot.kinematics import Arm, Array
 from ..robot.loads import Loads
 from ..robot.yielding import Law, Yielding
 from .base import NOTHING, Depends, Effect
-from .kinds import LinearYield, TransmissionEffect, YieldEffect
+from .kinds import LinearYield, SlotYield, TransmissionEffect, YieldEffect
 
 Shares = Mapping[int, Array]
 WHOLE: Shares = {}
@@ -64,10 +64,11 @@ class Acting:
         """What yields, the arm's own compliance included."""
         linear, bent = arm.compliance.copy(), []
         for effect, values in self.items:
-            if isinstance(effect, LinearYield):
-                linear[effect.slot(arm)] += values[0] * effect.compliance(arm)
-            elif isinstance(effect, YieldEffect):
-                bent.append((effect.slot(arm), effect.components(arm), _law(effect, arm, values)))
+            for part in effect.parts if isinstance(effect, YieldEffect) else ():
+                if isinstance(part, LinearYield):
+                    linear[part.slot(arm)] += values[0] * part.compliance(arm)
+                else:
+                    bent.append((part.slot(arm), part.components(arm), _law(part, arm, values)))
         return Yielding(linear, tuple(bent))
 
     def seen(self, problem: Problem, points: Array) -> Array:
@@ -115,5 +116,5 @@ class Acting:
         return slope
 
 
-def _law(effect: YieldEffect, arm: Arm, values: Array) -> Law:
+def _law(effect: SlotYield, arm: Arm, values: Array) -> Law:
     return lambda wrench: effect.law(arm, wrench, values)[:2]

@@ -12,7 +12,7 @@ from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
 from .base import Effect, Param, Rest, motion_said, short
 from .drawn import Drawn
-from .kinds import LinearYield, YieldEffect
+from .kinds import LinearYield, SlotYield
 from .place import Where
 from .unnamed.carriage import UnevenCarriage, at_carriage
 from .unnamed.loads import LEAST, TippingTilt, UnevenTilt
@@ -113,7 +113,7 @@ class BearingTilt(LinearYield):
 
 
 @dataclass(frozen=True)
-class LooseBearing(YieldEffect):
+class LooseBearing(SlotYield):
     """Play of a bearing, as `BearingTilt` has it."""
 
     variant: str = "play"

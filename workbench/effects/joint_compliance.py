@@ -10,8 +10,9 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array
-from .base import Effect, Param, grouped
-from .kinds import AxialYield, LinearYield
+from .base import Effect, Param, Rest, grouped
+from .drawn import Drawn
+from .kinds import AxialYield, LinearYield, YieldEffect
 from .place import Where
 from .unnamed.curved_yield import CurvedYield
 from .unnamed.loads import Torque
@@ -21,9 +22,13 @@ RIGID = 0.01  # of the model's compliance: below that a fit tells it from none o
 CURVED = 0.2  # of the yield, that is not in proportion to the torque
 
 
+ALL = "all"  # of the arm's joints, at once
+
+
 @dataclass(frozen=True)
 class JointCompliance(AxialYield, LinearYield):
-    """Δq = c₀ · relative · τ, with c₀ = 1/K of the model; Δq = c · τ where the model is rigid.
+    """Δq = c₀ · relative · τ, with c₀ = 1/K of the model; Δq = c · τ where the model is rigid; with one
+    `relative` for all joints, where a whole table of stiffnesses is off by a factor (`variant` "all").
 
     τ is the joint's torque from gravity, payload, wrench and compensator. Jiao et al. 2020,
     eqs. (5), (9).
@@ -60,7 +65,13 @@ class JointCompliance(AxialYield, LinearYield):
         return self.nominal > 0
 
     @classmethod
-    def sites(cls, problem: Problem) -> Sequence[JointCompliance]:
+    def sites(cls, problem: Problem) -> Sequence[YieldEffect]:
+        """Every joint by itself, and all together."""
+        return [*cls.each(problem), *ArmCompliance.sites(problem)]
+
+    @classmethod
+    def each(cls, problem: Problem) -> list[JointCompliance]:
+        """Every joint by itself."""
         return [
             cls(Where(joint=joint.name), "", 1 / (joint.data.stiffness or np.inf), joint.kind == "prismatic")
             for joint in problem.robot.joints
@@ -116,3 +127,48 @@ class JointCompliance(AxialYield, LinearYield):
         if compliance <= 0:
             return ""
         return f" ({grouped(1 / compliance, 3)} {unit})"
+
+
+@dataclass(frozen=True)
+class ArmCompliance(YieldEffect):
+    """The form of the whole arm: every one of its `joints` with c₀ · (1 + relative), alike in all."""
+
+    variant: str = ALL
+    joints: tuple[JointCompliance, ...] = ()
+
+    cause: ClassVar[str] = JointCompliance.cause
+    title: ClassVar[str] = JointCompliance.title
+    called: ClassVar[str] = "compliance of all joints alike"
+    equation: ClassVar[str] = JointCompliance.equation
+    separate: ClassVar[dict[str, str]] = JointCompliance.separate
+    in_proportion: ClassVar[bool] = True
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        meaning = "compliance of all joints over the model's, minus one"
+        return (Param("relative", "1", 0.3, meaning, lower=-1.0),)
+
+    @property
+    def stated(self) -> bool:
+        return True
+
+    @property
+    def parts(self) -> Sequence[JointCompliance]:
+        return self.joints
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[ArmCompliance]:
+        """Where the model states a stiffness of more joints than one."""
+        joints = tuple(one for one in JointCompliance.each(problem) if one.stated)
+        return [cls(joints=joints)] if len(joints) > 1 else []
+
+    def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
+        """Of the joint that moves most by it."""
+        each = [joint.drawn(problem, rest, values) for joint in self.joints]
+        return max(each, key=lambda one: float(np.abs(one.size).max(initial=0.0)))
+
+    def sentence(self, values: Array) -> str:
+        left = 1 + float(values[0])  # of the model's compliance
+        if left < RIGID:
+            return "All joints are as good as rigid, where the model has them yield."
+        return f"All joints are {1 / left:.3g} times as stiff as in the model."

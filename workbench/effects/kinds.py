@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -91,7 +91,7 @@ class TransmissionEffect(DirectEffect):
 
 
 class YieldEffect(Effect):
-    """A slot that yields under its own wrench."""
+    """What yields under the wrenches in the arm."""
 
     acts: ClassVar[Acts] = "yielding"
     by_loads: ClassVar[bool] = True
@@ -105,6 +105,52 @@ class YieldEffect(Effect):
     def kin(self) -> Hashable:
         """Real arms yield in other forms than these, and everywhere a little."""
         return "yield"
+
+    @property
+    @abstractmethod
+    def parts(self) -> Sequence[SlotYield]:
+        """The slots that yield, each by the same parameters."""
+
+    def prior(self, problem: Problem) -> Array:
+        """Nothing in an arm turns by more than some mrad, or shifts by more than a millimetre, under the
+        loads of a campaign; a coarse one gives way by more."""
+        most, nothing = np.zeros(len(self.params)), np.zeros(len(self.params))
+        for part in self.parts:
+            wrench = problem.nominal_load.local[:, part.slot(problem.arm)]
+            per_unit = np.abs(part.law(problem.arm, wrench, nothing)[2])
+            share = per_unit / np.array([MOST_SHIFT] * 3 + [MOST_TURN] * 3)[:, None]
+            most = np.maximum(most, share.max(axis=(0, 1), initial=0.0))
+        return np.asarray(np.minimum(super().prior(problem), problem.coarse / np.maximum(most, 1e-300)))
+
+    def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
+        return self._under(line, line.prediction.load.local, values)
+
+    def under(self, line: Slopes, wrench: Array, values: Array) -> Array | None:
+        return self._under(line, wrench, values)
+
+    def _under(self, line: Slopes, wrench: Array, values: Array) -> Array:
+        arm = line.prediction.arm
+        moved = (part.law(arm, wrench[:, part.slot(arm)], values)[2] for part in self.parts)
+        return self._seen(line, moved)
+
+    def yields_to(self, line: Slopes, wrench: Array, values: Array) -> Array | None:
+        arm, local = line.prediction.arm, line.prediction.load.local
+        at = [(part, part.slot(arm)) for part in self.parts]
+        return self._seen(line, (part.law(arm, local[:, k], values)[1] @ wrench[:, k] for part, k in at))
+
+    def _seen(self, line: Slopes, moved: Iterable[Array]) -> Array:
+        """(N, R, p) what is observed of motions (N, 6, p) of its parts."""
+        slots = [part.slot(line.prediction.arm) for part in self.parts]
+        each = (line.direct[:, :, 6 * k : 6 * k + 6] @ one for k, one in zip(slots, moved, strict=True))
+        return np.asarray(sum(each))
+
+
+class SlotYield(YieldEffect):
+    """A slot that yields under its own wrench."""
+
+    @property
+    def parts(self) -> Sequence[SlotYield]:
+        return (self,)
 
     @abstractmethod
     def slot(self, arm: Arm) -> int:
@@ -121,35 +167,8 @@ class YieldEffect(Effect):
         wrench: (N, 6) [N, N·m] at the slot, on its own axes.
         """
 
-    def prior(self, problem: Problem) -> Array:
-        """Nothing in an arm turns by more than some mrad, or shifts by more than a millimetre, under the
-        loads of a campaign; a coarse one gives way by more."""
-        wrench = problem.nominal_load.local[:, self.slot(problem.arm)]
-        per_unit = np.abs(self.law(problem.arm, wrench, np.zeros(len(self.params)))[2])
-        share = per_unit / np.array([MOST_SHIFT] * 3 + [MOST_TURN] * 3)[:, None]
-        most = share.max(axis=(0, 1), initial=0.0)
-        return np.asarray(np.minimum(super().prior(problem), problem.coarse / np.maximum(most, 1e-300)))
 
-    def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
-        return self._under(line, line.prediction.load.local, values)
-
-    def under(self, line: Slopes, wrench: Array, values: Array) -> Array | None:
-        return self._under(line, wrench, values)
-
-    def _under(self, line: Slopes, wrench: Array, values: Array) -> Array:
-        arm = line.prediction.arm
-        k = self.slot(arm)
-        by_value = self.law(arm, wrench[:, k], values)[2]
-        return np.asarray(line.direct[:, :, 6 * k : 6 * k + 6] @ by_value)
-
-    def yields_to(self, line: Slopes, wrench: Array, values: Array) -> Array | None:
-        rest = line.prediction
-        k = self.slot(rest.arm)
-        by_wrench = self.law(rest.arm, rest.load.local[:, k], values)[1]
-        return np.asarray(line.direct[:, :, 6 * k : 6 * k + 6] @ (by_wrench @ wrench[:, k]))
-
-
-class AxialYield(YieldEffect):
+class AxialYield(SlotYield):
     """A joint that yields about (or along) its own axis."""
 
     axial: ClassVar[bool] = True
@@ -174,7 +193,7 @@ class AxialYield(YieldEffect):
                      "m" if sliding else "rad", (sweep[:, axial], curve))  # fmt: skip
 
 
-class LinearYield(YieldEffect):
+class LinearYield(SlotYield):
     """A yield with one parameter: motion = value · C · wrench.
 
     shifts: its shift is drawn, not its turn; load_name, load_unit: what it is drawn against, C · wrench.

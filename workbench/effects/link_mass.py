@@ -109,6 +109,8 @@ class LinkMass(MassEffect):
 class ArmMass(LinkMass):
     """The form of the whole arm: gravity of every link acts with m (1 + r) at c, r the same of all."""
 
+    called: ClassVar[str] = "mass of all links alike"
+
     @property
     def names(self) -> tuple[str, ...]:
         return ("relative",)

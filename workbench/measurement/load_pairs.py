@@ -99,7 +99,7 @@ def difference_rows(campaign: Campaign) -> Array:
     problem = problem_of(as_one_setup(campaign))
     model = Model(problem)
     line = model.linearise(model.in_base())
-    parts = [model.effect_jacobian(line, effect, np.zeros(1)) for effect in JointCompliance.sites(problem)]
+    parts = [model.effect_jacobian(line, effect, np.zeros(1)) for effect in JointCompliance.each(problem)]
     rows = np.concatenate(parts, axis=2)
     half = len(problem.q) // 2
     return np.asarray(rows[half:] - rows[:half])

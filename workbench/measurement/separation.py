@@ -121,7 +121,7 @@ def _alone(swept: Campaign, lines: list[Effect], joint: str) -> dict[str, Alone]
     """The joint's stiffness from the sweep, for what the gear is allowed to do besides."""
     place = Where(joint=joint)
     smooth: list[Effect] = [GearEccentricity(place, "1"), GearEccentricity(place, "2"), GearRatio(place)]
-    [yields] = [e for e in JointCompliance.sites(problem_of(swept)) if e.where == place]
+    [yields] = [e for e in JointCompliance.each(problem_of(swept)) if e.where == place]
     found = {}
     for said, count in GEAR_FORMS.items():
         result = fit_sweep(swept, [*lines, *smooth[:count], yields])

@@ -125,7 +125,7 @@ def fit_at_once(campaigns: Sequence[Campaign], robot: Robot, compliance: bool = 
     problem = problem_of(join(freed) if len(freed) > 1 else freed[0])
     effects: list[Effect] = list(GearRatio.sites(problem))
     if compliance:
-        effects += [*JointCompliance.sites(problem)[1:-1], *BearingTilt.even(problem)[:-1]]
+        effects += [*JointCompliance.each(problem)[1:-1], *BearingTilt.even(problem)[:-1]]
     return fit(Model(problem, tuple(effects)))
 
 

@@ -18,7 +18,9 @@ from ...effects.base import Effect
 from ...identification.fit import ROUGH, TOLERANCE, Fit, refit
 from ...identification.heldout import heldout
 from ...identification.noise import Covariance
+from ...robot.kinematics import RX
 from ..noise.scatter import with_scatter
+from ..priors import PRIORS
 from ..weighing.components import Key, bare, usual
 from ..weighing.stand_ins import SURELY
 from .competition import Selection
@@ -89,10 +91,23 @@ def _giving(fit: Fit, others: Sequence[Effect], tolerance: float) -> Fit:
 def _others(fit: Fit, found: Sequence[int], candidates: Sequence[Effect]) -> list[Effect]:
     """The candidates that yield and are not in the fit, each held to the size of those that were found, in
     their usual sizes; none where none was."""
-    sizes = [fit.effect_values(i)[0] / usual(fit, fit.model.effects[i]) for i in found]
+    sizes = [fit.effect_values(i)[0] / _as_built(fit, fit.model.effects[i]) for i in found]
     size = float(np.sqrt(np.mean(np.square(sizes)))) if found else 0.0
     there, others = {effect.key for effect in fit.model.effects}, dict[Key, Effect]()
     for effect in candidates:
         if effect.in_proportion and effect.key not in there:
-            others.setdefault(effect.key, replace(effect, held=size * float(usual(fit, effect)[0])))
+            others.setdefault(effect.key, replace(effect, held=size * _as_built(fit, effect)))
     return list(others.values()) if size > 0 else []
+
+
+def _as_built(fit: Fit, effect: Effect) -> float:
+    """The usual size of a yield's number. A joint is built for all that it carries, about whatever axis: an
+    upright one, which these loads hardly turn, is no softer for that, and yields to other loads."""
+    size, problem = float(usual(fit, effect)[0]), fit.model.problem
+    if effect.stated or not effect.axial:
+        return size
+    j = problem.joint(effect.where.joint)
+    load = fit.line.prediction.load.local[:, j + 1]
+    own = load[:, :RX] if problem.arm.prismatic[j] else load[:, RX:]
+    borne = float(np.linalg.norm(own, axis=1).max(initial=0.0))
+    return min(size, PRIORS.joint_yields * problem.coarse / borne) if borne else size

@@ -86,7 +86,7 @@ def _from_differences(campaign: Campaign, empty: NDArray[np.bool_]) -> Fit:
     both = Covariance(
         np.sqrt(2) * noise.sigma, np.sqrt(2) * noise.joint, np.where(empty[used], COMPUTED_WEIGHT, 1.0)
     )
-    model = Model(differences, tuple(JointCompliance.sites(differences)))
+    model = Model(differences, tuple(JointCompliance.each(differences)))
     return fit(model, model.in_base(), both, geometry=False)
 
 

@@ -122,7 +122,7 @@ def _plan(space: AccuracySpace, records: Campaign) -> AccuracyPlan:
 def _effects(prior: PriorInformation) -> ValuedEffects:
     """The effects whose parameters are open: those of the robot's TOML, and every joint's compliance."""
     stated = {effect.key for effect, _ in prior.acting}
-    every = [effect for effect in JointCompliance.sites(prior.problem) if effect.key not in stated]
+    every = [effect for effect in JointCompliance.each(prior.problem) if effect.key not in stated]
     return (*prior.acting, *((effect, np.zeros(1)) for effect in every))
 
 

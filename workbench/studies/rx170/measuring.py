@@ -9,7 +9,9 @@ import numpy as np
 from workbench import (
     Array,
     Campaign,
+    Effect,
     LocalStiffness,
+    Problem,
     Robot,
     Target,
     Truth,
@@ -102,8 +104,11 @@ def all_at_once(robot: Robot, truth: Robot, count: int, seed: int) -> tuple[Arra
     targets = [Target(f"F{i}", xyz) for i, xyz in enumerate(FLANGE_PLACES)]
     plan = load_pairs.pairs(truth, q, (0.0, GLOBAL_LEVER), pull, targets, (0.0, (0.0, 0.0, 0.0)))
     seen = load_pairs.measure_pairs(plan, Truth(sigma=TRACKER), seed, (np.eye(3), np.zeros(3)))
-    sites = catalogue()["joint_compliance"].sites
-    k, std = load_pairs.compliances(load_pairs.fit_pairs(replace(seen, robot=robot), sites, TRACKER))
+
+    def joints(problem: Problem) -> list[Effect]:
+        return [e for e in catalogue()["joint_compliance"].sites(problem) if e.where.joint]
+
+    k, std = load_pairs.compliances(load_pairs.fit_pairs(replace(seen, robot=robot), joints, TRACKER))
     return 1 / k, std / k
 
 
