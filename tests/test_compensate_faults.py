@@ -207,6 +207,8 @@ def test_from_file_to_program_and_back(tmp_path: FilePath, kr500: Robot, format:
     assert error.max() <= written.rounding.max_mm * 1.01 + 1e-9
     assert angle_between(flange[:, :3, :3], done.X_command[:, :3, :3]).max() < 2e-5
     assert any("rounding" in text for text in written.lines())
+    told = [text for text in written.warnings if "the controller is of KUKA" in text]
+    assert bool(told) == (format not in ("csv", "krl"))
     # the controller's nominal inverse of what it reads is the command
     if format == "csv":
         again = nominal_joints(kr500, Path(CIRCLE.time, X=back.X), tool=tool, start=done.q_command[0])
