@@ -141,6 +141,12 @@ def test_wrong_units_are_guessed(kr500: Robot) -> None:
     assert "q1_deg" in told
 
 
+def test_radians_of_another_arm_are_not_taken_for_degrees(kr500: Robot) -> None:
+    told = faults_of(kr500, Path(np.arange(3.0), q=np.tile(POSTURE - 3.0 * np.eye(6)[1], (3, 1))))
+    assert "joint_2 at" in told[0]
+    assert not any("degrees?" in text for text in told)
+
+
 def test_calls_that_are_wrong(kr500: Robot) -> None:
     assert "one of exact" in faults_of(kr500, CIRCLE, method="magic")[0]
     assert "bandwidth" in faults_of(kr500, CIRCLE, bandwidth_hz=0.0)[0]
@@ -201,6 +207,8 @@ def test_from_file_to_program_and_back(tmp_path: FilePath, kr500: Robot, format:
     assert error.max() <= written.rounding.max_mm * 1.01 + 1e-9
     assert angle_between(flange[:, :3, :3], done.X_command[:, :3, :3]).max() < 2e-5
     assert any("rounding" in text for text in written.lines())
+    told = [text for text in written.warnings if "the controller is of KUKA" in text]
+    assert bool(told) == (format not in ("csv", "krl"))
     # the controller's nominal inverse of what it reads is the command
     if format == "csv":
         again = nominal_joints(kr500, Path(CIRCLE.time, X=back.X), tool=tool, start=done.q_command[0])

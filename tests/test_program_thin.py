@@ -139,6 +139,35 @@ def test_a_polygon_is_no_circle_but_what_is_sampled_closely_is() -> None:
         assert few.circular.any() == round_
 
 
+def arc(radius: float, sweep: float, count: int = 201) -> np.ndarray:
+    angle = np.linspace(0, np.radians(sweep), count)
+    return np.stack([1 + radius * np.cos(angle), radius * np.sin(angle), np.full(count, 0.5)], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("p", "lines", "rounds"),
+    [
+        (arc(4.0, 0.3), True, 0),  # m and degrees: a straight leg as corrected, 0.014 mm off its chord
+        (arc(0.02, 11.0), True, 0),
+        (arc(0.02, 14.0), False, 1),
+        (arc(1.2e-4, 180.0), True, 0),
+        (arc(4e-4, 180.0), False, 1),
+    ],
+)
+def test_no_circle_that_a_controller_refuses(p: np.ndarray, lines: bool, rounds: int) -> None:
+    """RAPID wants its three points 0.1 mm apart, and 1° between via and end as seen from the start."""
+    few = thinned(Program("ARC", at(p), time=np.linspace(0, 10, len(p))), TOLERANCE)
+    assert few.circular.sum() == rounds
+    assert (few.count - 1 > few.circular.sum()) == lines
+    assert from_legs(few, p[::5]) < 1.05 * TOLERANCE
+    for i in np.flatnonzero(few.circular):
+        assert few.X is not None
+        assert few.via is not None
+        a, b = (X[:3, 3] - few.X[i - 1, :3, 3] for X in (few.via[i], few.X[i]))
+        assert min(np.linalg.norm(way) for way in (a, b, b - a)) > 1e-4
+        assert np.degrees(np.arccos(a @ b / np.linalg.norm(a) / np.linalg.norm(b))) > 1
+
+
 def test_fanuc_stops_at_sharp_corners_and_runs_through_flat_ones() -> None:
     """CNT cuts a corner as the speed has it, which no tolerance bounds."""
     p = 0.1 * np.array([[0, 0, 5], [1, 0.02, 5], [2, 0, 5], [2, 1, 5], [2, 2, 5]])

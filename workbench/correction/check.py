@@ -91,7 +91,8 @@ def reach(arm: Arm, X_FT: Array, upper: Array) -> float:
 
 
 def _check_units(robot: Robot, arm: Arm, path: Path, X_FT: Array) -> list[Fault]:
-    """Numbers that would fit the arm if they were a thousand times as large, or as small, or in degrees."""
+    """Numbers that would fit the arm if they were a thousand times as large, or as small, or in degrees.
+    Joints within a turn are radians, of another arm or pose: which leaves its limits is told by line."""
     place = path.file or path.title or "path"
     if path.X is not None:
         far = np.linalg.norm(path.X[:, :3, 3], axis=1)
@@ -109,8 +110,9 @@ def _check_units(robot: Robot, arm: Arm, path: Path, X_FT: Array) -> list[Fault]
         limit = robot.limits[turning]
         q = path.q[:, turning]
         outside = (q < limit[:, 0]) | (q > limit[:, 1])
-        small = np.deg2rad(q)
-        if outside.any(axis=1).mean() > 0.5 and ((small >= limit[:, 0]) & (small <= limit[:, 1])).all():
-            said = f"turns joints by up to {np.abs(q).max():.4g} rad, outside their limits"
+        small, most = np.deg2rad(q), float(np.abs(q).max(initial=0.0))
+        fits = ((small >= limit[:, 0]) & (small <= limit[:, 1])).all()
+        if most > 2 * np.pi and fits and outside.any(axis=1).mean() > 0.5:
+            said = f"turns joints by up to {most:.4g} rad, outside their limits"
             return [Fault(place, said, "are the numbers degrees? then name the columns q1_deg ...")]
     return []

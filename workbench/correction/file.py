@@ -23,6 +23,7 @@ from .programs import (
     as_shown,
     as_urdf,
     find_format,
+    formats,
     rounding_effect,
     thinned,
     write_program,
@@ -149,8 +150,19 @@ def compensate_file(
         return done.trajectory.forward(told)
 
     effect = rounding_effect(program, chosen, forward)
-    warnings = (f"{model}: no [controller]: {UNSTATED}",) if unstated else ()
-    return Written(done, tuple(files), effect, program.count, read, warnings)
+    warnings = [f"{model}: no [controller]: {UNSTATED}"] if unstated else []
+    if _of_another_maker(chosen, robot.controller.make):
+        warnings.append(
+            f"{model}: the controller is of {robot.controller.make}, the program is {chosen.title}"
+        )
+    return Written(done, tuple(files), effect, program.count, read, tuple(warnings))
+
+
+def _of_another_maker(format: Format, make: str) -> bool:
+    """Whether the controller's maker, as the robot's TOML states it, has another format."""
+    said = f" {make.casefold()} "
+    owners = [other for other in formats().values() if any(f" {name} " in said for name in other.makers)]
+    return bool(owners and format.makers) and format not in owners
 
 
 def _program(

@@ -64,7 +64,7 @@ class Controller(_Table):
     """`[controller]`: lists over the controller's joints, in the controller's order."""
 
     make: str = ""
-    """maker of the controller: chooses its program format"""
+    """maker of the controller; a program in another maker's format is told"""
     names: tuple[Name, ...] = ()
     """the controller's name of every joint; without them nothing is stated"""
     joints: tuple[Name, ...] = ()

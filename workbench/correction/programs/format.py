@@ -33,6 +33,7 @@ class Format(ABC):
     """One controller's program format. The class attributes say its rules; `None` = no limit known.
 
     extension: of what is written; also: others of existing files.
+    makers: of the controllers, in small letters, as a robot's TOML may name them.
     circles: it has circular moves. own_joints: its joints and frames are the controller's, not the URDF's.
     samples: it is a table of samples, never thinned. own_folder: a program's files have
     fixed names, and need a folder of their own. arm_joints: turning joints that poses are for and programs of
@@ -58,6 +59,7 @@ class Format(ABC):
     carries_tool: ClassVar[bool] = True
     named_as_file: ClassVar[bool] = False
     circles: ClassVar[bool] = False
+    makers: ClassVar[tuple[str, ...]] = ()
     own_joints: ClassVar[bool] = True
     samples: ClassVar[bool] = False
     own_folder: ClassVar[bool] = False

@@ -44,6 +44,7 @@ class Krl(Format):
     fastest = 2.0
     named_as_file = True
     circles = True
+    makers = ("kuka",)
 
     def check(self, program: Program) -> list[Fault]:
         faults = super().check(program)

@@ -47,6 +47,7 @@ class Ls(Format):
     most_points = 32766
     fastest = 4.0  # newer controllers; older ones end at 2 m/s
     circles = True
+    makers = ("fanuc",)
 
     def __init__(self, configuration: str = "N U T, 0, 0, 0") -> None:
         self.configuration = configuration

@@ -38,6 +38,7 @@ class Rapid(Format):
     many_lines = 20_000
     fastest = 7.0
     circles = True
+    makers = ("abb",)
 
     def rounding(self) -> tuple[float, float]:
         """Half a digit in four components is 1e-8 of a unit quaternion at most; a rotation twice that."""

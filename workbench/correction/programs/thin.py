@@ -17,6 +17,8 @@ PACE = 0.1  # legs whose speeds differ by more than this share of their mean sta
 LEAST_ON_A_CIRCLE = 5  # points, below which a circle says nothing: over any three there is one
 COARSEST = np.radians(15)  # between neighbours on a circle: wider apart they are corners
 WIDEST = np.radians(190)  # of one circular leg, so that a circle is two of them; RAPID ends at 240°
+FLATTEST = np.radians(3)  # from via to end, seen from the start: RAPID wants 1°, a UR was seen to refuse 2.9°
+SHORTEST = 2e-4  # m between start, via and end: RAPID wants 0.1 mm
 
 
 def thinned(program: Program, tolerance: float, round_legs: bool = True) -> Program:
@@ -25,8 +27,9 @@ def thinned(program: Program, tolerance: float, round_legs: bool = True) -> Prog
     tolerance [m]: how far a point that is left out may lie from the leg that replaces it, and how far its
     turn (times `LEVER`) may be from the leg's, which runs evenly from end to end. Points with a pause, turns
     on the spot and changes of speed by more than `PACE` stay. round_legs: the controller has circular moves;
-    a circle takes the place of points no farther apart than `COARSEST`: of a square's corners none. The legs
-    keep their durations, so each runs at the mean speed of what it replaces.
+    a circle takes the place of points no farther apart than `COARSEST`: of a square's corners none. What is
+    nearly straight is lines, as controllers refuse such circles. The legs keep their durations, so each runs
+    at the mean speed of what it replaces.
     """
     if program.kind != "poses" or program.count < 3 or tolerance <= 0 or program.via is not None:
         return program
@@ -38,7 +41,7 @@ def thinned(program: Program, tolerance: float, round_legs: bool = True) -> Prog
         straight = path.farthest(start, path.is_straight)
         round_ = path.farthest(start, path.is_circular) if round_legs else start
         over, end = np.full((4, 4), np.nan), max(straight, start + 1)
-        if round_ > end and round_ - start + 1 >= LEAST_ON_A_CIRCLE:
+        if round_ > end and path.is_curved(start, round_):
             over, end = program.X[path.middle(start, round_)], round_
         kept.append(end)
         via.append(over)
@@ -105,6 +108,7 @@ class _Path:
         return bool(beside.max() <= self.tolerance) and self._runs_on(start, end, along / length)
 
     def is_circular(self, start: int, end: int) -> bool:
+        """Within the tolerance; how flat counts in the end (`is_curved`), as every arc begins flat."""
         if end - start + 1 < LEAST_ON_A_CIRCLE:  # so that a longer one is tried
             return True
         via = self.middle(start, end)
@@ -121,6 +125,16 @@ class _Path:
         share[0], share[-1] = 0.0, 1.0
         close = float(np.diff(share).max() * sweep[0]) <= COARSEST
         return close and self._runs_on(start, end, share)
+
+    def is_curved(self, start: int, end: int) -> bool:
+        """Whether controllers take the circle: enough points, far enough apart, not nearly on a line."""
+        if end - start + 1 < LEAST_ON_A_CIRCLE:
+            return False
+        via = self.middle(start, end)
+        a, b = self.p[via] - self.p[start], self.p[end] - self.p[start]
+        if min(np.linalg.norm(way) for way in (a, b, b - a)) < SHORTEST:
+            return False
+        return bool(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b) >= FLATTEST)
 
     def _runs_on(self, start: int, end: int, share: Array) -> bool:
         """Never back, at an even pace, the turn in step. share: (m,) of the way at each point."""

@@ -37,6 +37,7 @@ class UrScript(Format):
     reserved = frozenset(UR_WORDS.split())
     many_lines = 5000
     circles = True
+    makers = ("universal robots", "ur")
 
     def __init__(self, stream: bool = False) -> None:
         self.stream = stream

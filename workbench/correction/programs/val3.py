@@ -43,6 +43,7 @@ class Val3(Format):
     most_points = 9999
     named_as_file = True
     circles = True
+    makers = ("stäubli", "staubli")
     own_folder = True
 
     def warnings(self, program: Program) -> list[str]:
