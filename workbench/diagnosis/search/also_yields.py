@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...effects.base import Effect
+from ...effects.place import NOWHERE
 from ...identification.fit import ROUGH, TOLERANCE, Fit, refit
 from ...identification.heldout import heldout
 from ...identification.noise import Covariance
@@ -95,7 +96,8 @@ def _others(fit: Fit, found: Sequence[int], candidates: Sequence[Effect]) -> lis
     size = float(np.sqrt(np.mean(np.square(sizes)))) if found else 0.0
     there, others = {effect.key for effect in fit.model.effects}, dict[Key, Effect]()
     for effect in candidates:
-        if effect.in_proportion and effect.key not in there:
+        whole = effect.stated and effect.where == NOWHERE  # of joints of which each is here by itself
+        if effect.in_proportion and not whole and effect.key not in there:
             others.setdefault(effect.key, replace(effect, held=size * _as_built(fit, effect)))
     return list(others.values()) if size > 0 else []
 
