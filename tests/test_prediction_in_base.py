@@ -1,4 +1,4 @@
-"""What `predict` says in the robot's base, where targets on it say where that is."""
+"""What `predict` says in the robot's base, where targets on it say where that is, and along a path."""
 
 import json
 from dataclasses import replace
@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from test_own_base import ON_BASE
-from test_prediction import fitted, without_motion
+from test_prediction import LIMITS, PLAY, SIGMA, fitted, without_motion
 
 from workbench import (
     Path,
@@ -26,6 +26,7 @@ from workbench import (
 from workbench.campaign.planned import TARGETS
 from workbench.cli.main import main
 from workbench.correction.command import anew_mm
+from workbench.correction.solve import turning_sides
 from workbench.robot.rotations import pose
 
 NOISE = 5e-5
@@ -128,3 +129,83 @@ def test_the_words_say_in_what_frame_the_errors_are(models, tmp_path, capsys):
     for text in said["judge"][:2]:
         assert "base and tool set up as well as the campaign allows: taken anew" in text
         assert "in the robot" not in text.replace("&#39;", "'")
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory):
+    """A cylindrical robot whose joint 1 winds up over 2 mrad behind each turn, which the model has as a play;
+    and its model."""
+    robot, rng = load_robot("cylindrical"), np.random.default_rng(1)
+    q = rng.uniform(*LIMITS.T, (60, 3))
+    plan = planned(robot, q, direction=rng.choice([-1.0, 1.0], q.shape))
+    truth = Truth(
+        geometry=random_geometry(problem_of(plan).arm, np.random.default_rng(3)),
+        joints=lambda job: -2e-4 * job.campaign.poses.side * [1.0, 0.0, 0.0],
+        sigma=SIGMA, repeatability=np.array([1e-5, 5e-6, 5e-6]),
+    )  # fmt: skip
+    file = tmp_path_factory.mktemp("played") / "model.toml"
+    write_fit(file, fitted(simulate(plan, truth, seed=1, instrument=HERE), PLAY))
+    return truth, file
+
+
+def to_and_fro():
+    """(80, 3) joints along a path that turns round three times."""
+    t = np.linspace(0.0, 1.0, 80)[:, None]
+    return np.array([0.0, 0.25, 0.25]) + [0.6, 0.1, 0.1] * np.sin(2 * np.pi * t * [1.5, 1.0, 0.7])
+
+
+def wound_up(q):
+    """(N, n) joint errors of joint 1, wound up from its first side on [rad]."""
+    side, out = turning_sides(q)[:, 0], np.zeros_like(q)
+    out[0, 0] = -2e-4 * side[0]
+    for i in range(1, len(q)):
+        rest = np.exp(-abs(q[i, 0] - q[i - 1, 0]) / 2e-3)
+        out[i, 0] = -2e-4 * side[i] + rest * (out[i - 1, 0] + 2e-4 * side[i])
+    return out
+
+
+def told(model, file, out):
+    """`predict.json` of a file's poses; corrected places (N, T, 3) and bounds (N, T) of the table [m]."""
+    assert main(["predict", str(model), "--poses", str(file), "--out", str(out)]) == 0
+    rows = [line.split(",") for line in (out / "errors.csv").read_text().splitlines()[1:]]
+    numbers = 1e-3 * np.array([row[2:11] for row in rows], dtype=float).reshape(-1, 3, 9)
+    said = json.loads((out / "predict.json").read_text())
+    return said, numbers[..., :3] + numbers[..., 3:6], numbers[..., 8]
+
+
+@pytest.mark.parametrize("kind", ["joints", "tool poses"])
+def test_a_path_says_from_which_side_its_joints_come(played, tmp_path, kind):
+    """As `compensate` takes it: bounds for either side were wider than the error that is corrected."""
+    truth, model = played
+    robot, q = load_robot("cylindrical"), to_and_fro()
+    time = np.arange(80.0)
+    done = compensate(load_robot(model), Path(time, q=q))
+    path = Path(time, q=q) if kind == "joints" else Path(time, X=done.X_desired)
+    write_path(tmp_path / "path.csv", path, robot)
+    said, places, bound = told(model, tmp_path / "path.csv", tmp_path / "out")
+    assert not [note for note in said["notes"] if "side" in note or "dir" in note]
+    plan = planned(robot, q, direction=done.direction)
+    quiet = replace(truth, sigma=0.0, joints=lambda job: wound_up(q))
+    true = simulate(plan, quiet, seed=2, instrument=HERE).points
+    off = without_motion(places, true, np.ones(80, bool))
+    assert (off <= bound).mean() > 0.9
+    either = predict(model, q).corrected
+    assert np.median(bound) < 0.5 * np.median(either)
+
+
+def test_poses_of_a_list_come_from_nowhere(played, tmp_path):
+    """Each is approached as it is measured, not from the row before it; nor does a joint that stands still
+    all along a path say from where it came."""
+    _, model = played
+    q = to_and_fro()
+    shown = np.column_stack([np.degrees(q[:, 0]), 1e3 * q[:, 1:]])
+    rows = [f"p{i},{i}," + ",".join(f"{v:.6f}" for v in row) for i, row in enumerate(shown)]
+    (tmp_path / "poses.csv").write_text("\n".join(["pose_id,t_s,q1_deg,q2_mm,q3_mm", *rows, ""]))
+    said, _, bound = told(model, tmp_path / "poses.csv", tmp_path / "list")
+    assert any("no dir columns" in note for note in said["notes"])
+    assert bound == pytest.approx(predict(model, q).corrected, abs=1e-6)
+    q[:, 0] = 0.3
+    write_path(tmp_path / "path.csv", Path(np.arange(80.0), q=q), load_robot("cylindrical"))
+    said, _, bound = told(model, tmp_path / "path.csv", tmp_path / "still")
+    assert any("at 80 of 80 poses nothing says from which side" in note for note in said["notes"])
+    assert bound == pytest.approx(predict(model, q).corrected, abs=1e-6)

@@ -295,23 +295,37 @@ def _warm(told: Problem, data: Uncertainty) -> Iterator[str]:
         )
 
 
+def _sides(told: Problem) -> Array:
+    """(N, n) sides from which the joints come, 0 where nobody says it."""
+    side = told.campaign.poses.side
+    return np.zeros_like(told.q) if side is None else side
+
+
 def _play(here: Problem, acting: Acting, points: Array) -> Array:
     """(N, T, 3, n) how far the points move by the side from which each joint comes, where nobody says it."""
-    if here.campaign.poses.side is not None or "side" not in acting.uses:
+    said = _sides(here)
+    if said.all() or "side" not in acting.uses:
         return np.zeros((*points.shape, 1))
     out = []
     for side in np.eye(here.arm.n):
-        campaign = here.campaign.with_poses(side=np.tile(side, (len(here.q), 1)))
+        campaign = here.campaign.with_poses(side=np.where(said == 0, side, said))
         out.append(tool_points(replace(here, campaign=campaign), acting) - points)
     return np.stack(out, axis=-1)
 
 
 def _sided(told: Problem, acting: Acting) -> Iterator[str]:
     """A note where the poses do not say from which side they are reached, and it matters."""
-    if told.campaign.poses.side is None:
-        for effect, _ in acting:
-            if "side" in effect.uses:
-                yield f"{effect.label}: the poses have no dir columns; the bounds hold for either side"
+    unsaid = (_sides(told) == 0).sum(axis=0)
+    for effect, _ in acting:
+        if "side" not in effect.uses:
+            continue
+        if told.campaign.poses.side is None:
+            yield f"{effect.label}: the poses have no dir columns; the bounds hold for either side"
+        elif count := unsaid[told.joint(effect.where.joint)]:
+            yield (
+                f"{effect.label}: at {count} of {len(told.q)} poses nothing says from which side the joint "
+                "comes; the bounds there hold for either side"
+            )
 
 
 def _outside(told: Problem, acting: Acting, data: Uncertainty, far: Array) -> tuple[str, ...]:
