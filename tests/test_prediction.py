@@ -51,10 +51,10 @@ def measured(robot, truth, count, seed):
     return simulate(plan, truth, seed=seed, instrument=(np.eye(3)[None], np.zeros((1, 3))))
 
 
-def fitted(campaign, *effects):
+def fitted(campaign, *effects, sigma=SIGMA):
     problem = problem_of(campaign)
     model = Model(problem, tuple(parse_effect(text, problem)[0] for text in effects))
-    noise = Covariance(np.full(problem.seen.shape, SIGMA), np.zeros(problem.arm.n), np.ones(len(problem.q)))
+    noise = Covariance(np.full(problem.seen.shape, sigma), np.zeros(problem.arm.n), np.ones(len(problem.q)))
     return fit(model, noise=noise)
 
 

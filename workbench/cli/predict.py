@@ -153,6 +153,7 @@ def _path(file: Path, robot: Robot) -> ToolPath:
 
 def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
     """The poses of a file: a campaign's, joints as a campaign or a path has them, or poses of the tool."""
+    from ..correction.solve import turning_sides
     from ..correction.trajectory import nominal_joints
     from ..files.faults import read_text
     from ..identification.prediction import posed
@@ -168,14 +169,17 @@ def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
         q = nominal_joints(robot, path, arguments.tool, start, arguments.seed)
         campaign = posed(robot, q, arguments.payload)
         wrench = campaign.poses.wrench if path.wrench is None else path.wrench
-        return campaign.with_poses(wrench=wrench, temperature=path.temperature, time=path.time)
+        side = turning_sides(q)
+        return campaign.with_poses(wrench=wrench, side=side, temperature=path.temperature, time=path.time)
     _without_tool_poses(arguments)
     poses, _ = told.from_file(robot, arguments.poses, {})
     campaign = posed(robot, poses.q, poses.payload or arguments.payload)
+    is_path = poses.time is not None and not poses.ids  # poses that are named are a list, in any order
+    unsaid = turning_sides(poses.q) if is_path else None
     return campaign.with_poses(
         ids=poses.ids or campaign.poses.ids,
         wrench=campaign.poses.wrench if poses.wrench is None else poses.wrench,
-        side=poses.direction,
+        side=unsaid if poses.direction is None else poses.direction,
         time=poses.time,
         temperature=poses.temperature,
     )

@@ -32,7 +32,7 @@ def with_bounds(outcome: Outcome) -> Outcome:
     some = np.unique(np.linspace(0, len(measured.poses) - 1, POSES).astype(int))
     try:
         q = random_poses(robot, POSES, np.random.default_rng(0), share=1.0)
-        errors = [predict(robot, measured.some(some)), predict(robot, q)]
+        errors = [predict(robot, measured.some(some), own_frame=False), predict(robot, q)]
     except (NoRest, InputError):
         return outcome
     near, far = (1e3 * float(np.median(one.worst)) for one in errors)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..correction.command import anew_mm
 from ..files.tables import table_text
 from ..identification.prediction import ToolErrors, ToolTurns, required_uncertainty
 from ..robot.description import Robot
@@ -35,10 +36,17 @@ TURNED = (
 MISSED, LEFT = "What an uncorrected program misses", "What is left after correction (95 % bound)"
 LISTED = 6  # poses beyond limits, by name
 REASONS = 10  # why poses lie outside of what was measured
-WORDS = (
-    "Errors are those of the tool's points with base and tool set up as well as the campaign allows.",
+IN_BASE = (
+    "Errors are those of the tool's points in the robot's base, as the targets on it say where that is; how "
+    "well they do is in the bounds."
+)
+ANEW = (
+    "Errors are those of the tool's points with base and tool set up as well as the campaign allows: taken "
+    "anew, for the uncorrected robot as for the corrected one."
+)
+BOUND = (
     "A bound holds for one standstill with 95 %: uncertainty of the fitted numbers, what is left unknown, "
-    "and the joints' repeatability, tempered so that 95 % of the errors at poses held out lie inside.",
+    "and the joints' repeatability, tempered so that 95 % of the errors at poses held out lie inside."
 )
 
 
@@ -68,6 +76,17 @@ class Expected:
             f"{len(e.outside)} poses); after correction the tool stays within {median} mm at half of them, "
             f"within {most} mm at 95 %"
         )
+
+    @property
+    def frame(self) -> str:
+        """In what frame the errors are."""
+        if not self.errors.in_base:
+            return ANEW
+        if self.inside is None:
+            return IN_BASE
+        e = self.inside
+        left = mm(float(anew_mm(e.places.reshape(-1, 3), e.error.reshape(-1, 3)).mean()))
+        return f"{IN_BASE} Uncorrected, {left} mm are left once the base or the work object is taken anew."
 
     @property
     def turned(self) -> str:
@@ -146,7 +165,7 @@ class Expected:
     def text(self) -> str:
         return "\n".join(
             [
-                *filter(None, (self.scope, f"{self.headline}.", self.turned, self.kept)),
+                *filter(None, (self.scope, f"{self.headline}.", self.turned, self.kept, self.frame)),
                 *self.outside,
                 *filter(None, [self.of_tool]),
                 *self.errors.notes,
@@ -163,6 +182,7 @@ class Expected:
             "targets": names,
             "nominal": _figures(e.length, e.nominal.max(axis=1)),
             "corrected": _figures(None, e.worst),
+            "in_base": e.in_base,
             "outside": sum(bool(said) for said in e.outside),
             "inside": self._inside_json(),
             "notes": self.notes,
@@ -233,7 +253,7 @@ def write_expected(expected: Expected, folder: Path) -> None:
         title=title,
         headline=expected.headline,
         more=[said for said in (expected.scope, expected.turned, expected.kept) if said],
-        words=WORDS,
+        words=(expected.frame, BOUND),
         outside=expected.outside,
         notes=expected.notes,
         figures=[] if expected.inside is None else [_shares(expected, expected.inside), *_maps(expected)],

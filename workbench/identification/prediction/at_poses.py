@@ -20,13 +20,13 @@ from ...effects import catalogue
 from ...effects.acting import Acting
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot, load_robot
-from ...robot.kinematics import Array
+from ...robot.kinematics import Array, frames
 from ...robot.ranges import MARGIN, beyond_range
 from ...robot.rotations import from_vectors
 from ...robot.schema import stated_load
 from ...robot.uncertainty import LEAST, Turning, Uncertainty
 from .tempering import Tempering
-from .tool import tool_motion, tool_points, tool_problem, turns_of
+from .tool import in_its_base, tool_motion, tool_points, tool_problem, turns_of
 
 TOGETHER = "combination of joints"  # each of them inside of its range
 LOAD, WARMTH, TIME = "load on the flange", "temperature", "time"
@@ -52,10 +52,12 @@ class ToolTurns:
 class ToolErrors:
     """What to expect at N poses, T points of the tool; lengths in m, the nominal robot's base frame.
 
-    error: (N, T, 3) the corrected robot's point minus the nominal one's, with base and tool set up as well as
-    the campaign allows; nominal, corrected: (N, T) lengths that 95 % of the errors do not exceed without and
-    with the correction; places: (N, T, 3) of the nominal robot. outside: (N) what of a pose lies outside of
-    what was measured ("" inside). notes: what could not be taken into account.
+    error: (N, T, 3) the corrected robot's point minus the nominal one's; nominal, corrected: (N, T) lengths
+    that 95 % of the errors do not exceed without and with the correction; places: (N, T, 3) of the nominal
+    robot. outside: (N) what of a pose lies outside of what was measured ("" inside). notes: what could not be
+    taken into account. in_base: in the robot's base, as targets on it say where it is, and the nominal robot
+    rigid, as its controller takes it; else base and tool are set up anew, for either robot, as well as the
+    campaign allows.
     """
 
     campaign: Campaign
@@ -65,6 +67,7 @@ class ToolErrors:
     places: Array
     outside: tuple[str, ...]
     notes: tuple[str, ...]
+    in_base: bool
     turns: ToolTurns | None = None
 
     def __repr__(self) -> str:
@@ -119,12 +122,15 @@ def predict(
     poses: Campaign | Array,
     payload: str | Sequence[str] = "",
     instrument: float = 0.0,
+    own_frame: bool | None = None,
 ) -> ToolErrors:
     """The error to be expected at the tool, from the model.toml of a diagnosis.
 
     poses: (N, n) joints [rad, m], carrying the model's tool and its `payload` (one, or N names), or a
     campaign, whose points do not count. instrument: [m] one sigma per axis of who measures; 0: the tool
-    itself. Raises `InputError` for a model without `[prediction]`.
+    itself. own_frame: whether the base is set up anew there, as for a campaign that finds its own frame
+    (None: of a campaign that has points); else errors are those in the robot's base, where it was measured.
+    Raises `InputError` for a model without `[prediction]`.
     """
     robot = model if isinstance(model, Robot) else load_robot(model)
     data = required_uncertainty(robot)
@@ -133,19 +139,22 @@ def predict(
     targets = [Target(p.name, _metres(p.xyz_mm)) for p in data.points]
     told = tool_problem(problem_of(campaign), targets)
     arm = extended_arm(told)
-    found = [_part(told, arm.acting, data, part, instrument) for part in _parts(told)]
+    own_frame = campaign.n_points > 0 if own_frame is None else own_frame
+    in_base = data.base_measured and not own_frame
+    found = [_part(told, arm.acting, data, part, instrument, in_base) for part in _parts(told)]
     error, nominal, corrected, places, far, *turns = map(np.concatenate, zip(*found, strict=True))
     notes = [*arm.notes, *_sided(told, arm.acting), *_warm(told, data)]
     if data.instrument_inside:
         notes.append("nobody knows the instrument's noise: it is in the bounds as well")
-    if not data.turn_measured:
+    if not data.turn_measured and not in_base:
         notes.append(
             "all points were measured on one line or in one place: nothing says how the base stands turned "
             "about it, and the bounds do not have that; align base and instrument by other points"
         )
     outside = _outside(told, arm.acting, data, far)
     turned = ToolTurns(*turns) if turns else None
-    return ToolErrors(told.campaign, error, nominal, corrected, places, outside, tuple(notes), turned)
+    said = outside, tuple(notes)
+    return ToolErrors(told.campaign, error, nominal, corrected, places, *said, in_base, turned)
 
 
 def required_uncertainty(robot: Robot) -> Uncertainty:
@@ -178,23 +187,29 @@ def _parts(told: Problem) -> Iterator[NDArray[np.int64]]:
 
 
 def _part(
-    told: Problem, acting: Acting, data: Uncertainty, part: NDArray[np.int64], instrument: float
+    told: Problem,
+    acting: Acting,
+    data: Uncertainty,
+    part: NDArray[np.int64],
+    instrument: float,
+    in_base: bool,
 ) -> tuple[Array, ...]:
     """Error, bounds without and with correction, nominal places, the fitted numbers' spread (N,); and of the
     turns, where the model knows of them, error and both bounds."""
     here = replace(told, campaign=told.campaign.some(part))
     at = tool_motion(here, acting)
-    moved = at.J @ placed(data, at.names)
+    rows = placed(data, at.names)
     beyond = acting.beyond(here)
     there = beyond.any(axis=0)
     ended = at.direct[..., there] * beyond[:, None, None, there]
     warm = _warmed(here, acting, at.direct, _kelvin(here, acting, data))
-    unsure = np.concatenate([moved, ended, warm], axis=-1)
+    seen = np.concatenate([at.J @ rows, ended, warm], axis=-1)
+    unsure = np.concatenate([at.J @ in_its_base(rows), ended, warm], axis=-1) if in_base else seen
     fitted = unsure @ unsure.swapaxes(-1, -2)
     joint = at.joint * np.array(data.repeatability)
     play = _play(here, acting, at.points)
     other = joint @ joint.swapaxes(-1, -2) + play @ play.swapaxes(-1, -2) + instrument**2 * np.eye(3)
-    places, error = _nominal(here, data, at.points)
+    places, error = (_rigid if in_base else _nominal)(here, data, at.points)
     tempering = Tempering(data.rest, data.tempering, data.growth)
     unit = np.where(told.arm.prismatic, 3.0, 1.0)
     beyond = (np.maximum(np.array(data.lower) - here.q, here.q - np.array(data.upper)) * unit).max(axis=1)
@@ -202,7 +217,7 @@ def _part(
     each = np.broadcast_to(beyond[:, None], error.shape[:2])
     corrected = tempering.bound(fitted, other, each)
     nominal = tempering.bound(fitted, other, each, error)
-    spread = np.sqrt(np.trace(fitted, axis1=2, axis2=3).max(axis=1))
+    spread = np.sqrt((seen**2).sum(axis=(2, 3)).max(axis=1))
     if data.turning is None:
         return error, nominal, corrected, places, spread
     turns = _turns(data.turning, at.points, error, (unsure, np.concatenate([joint, play], axis=-1)), beyond)
@@ -226,7 +241,8 @@ def _turns(
 
 
 def placed(data: Uncertainty, names: tuple[str, ...]) -> Array:
-    """(P, k) rows of the covariance's factor in the order of `names`; zeros for what it does not have."""
+    """(P, k) rows of the covariance's factor in the order of `names` (the base first); zeros for what it does
+    not have."""
     at = dict(zip(data.names, data.F, strict=True))
     none = np.zeros(data.F.shape[1])
     return np.array([at.get(name, none) for name in names])
@@ -240,6 +256,14 @@ def _nominal(here: Problem, data: Uncertainty, points: Array) -> tuple[Array, Ar
     places = tool_points(told)
     shift, turn = np.array(data.nominal_base[:3]), from_vectors(np.array(data.nominal_base[3:]))
     return places, (points - shift) @ turn - places
+
+
+def _rigid(here: Problem, data: Uncertainty, points: Array) -> tuple[Array, Array]:
+    """The same with the arm as its controller takes it, in the same base and with the same tool."""
+    there = frames(here.arm.with_geometry(0 * here.arm.geometry), here.q)
+    tool = np.array([_metres(p.xyz_mm) for p in data.points])
+    places = there.p[-1][:, None] + tool @ (there.R[-1] @ here.arm.R_link[-1]).swapaxes(-1, -2)
+    return places, points - places
 
 
 def _kelvin(told: Problem, acting: Acting, data: Uncertainty) -> Array:
@@ -271,23 +295,37 @@ def _warm(told: Problem, data: Uncertainty) -> Iterator[str]:
         )
 
 
+def _sides(told: Problem) -> Array:
+    """(N, n) sides from which the joints come, 0 where nobody says it."""
+    side = told.campaign.poses.side
+    return np.zeros_like(told.q) if side is None else side
+
+
 def _play(here: Problem, acting: Acting, points: Array) -> Array:
     """(N, T, 3, n) how far the points move by the side from which each joint comes, where nobody says it."""
-    if here.campaign.poses.side is not None or "side" not in acting.uses:
+    said = _sides(here)
+    if said.all() or "side" not in acting.uses:
         return np.zeros((*points.shape, 1))
     out = []
     for side in np.eye(here.arm.n):
-        campaign = here.campaign.with_poses(side=np.tile(side, (len(here.q), 1)))
+        campaign = here.campaign.with_poses(side=np.where(said == 0, side, said))
         out.append(tool_points(replace(here, campaign=campaign), acting) - points)
     return np.stack(out, axis=-1)
 
 
 def _sided(told: Problem, acting: Acting) -> Iterator[str]:
     """A note where the poses do not say from which side they are reached, and it matters."""
-    if told.campaign.poses.side is None:
-        for effect, _ in acting:
-            if "side" in effect.uses:
-                yield f"{effect.label}: the poses have no dir columns; the bounds hold for either side"
+    unsaid = (_sides(told) == 0).sum(axis=0)
+    for effect, _ in acting:
+        if "side" not in effect.uses:
+            continue
+        if told.campaign.poses.side is None:
+            yield f"{effect.label}: the poses have no dir columns; the bounds hold for either side"
+        elif count := unsaid[told.joint(effect.where.joint)]:
+            yield (
+                f"{effect.label}: at {count} of {len(told.q)} poses nothing says from which side the joint "
+                "comes; the bounds there hold for either side"
+            )
 
 
 def _outside(told: Problem, acting: Acting, data: Uncertainty, far: Array) -> tuple[str, ...]:

@@ -29,7 +29,7 @@ from ..parameters import body_motion
 from ..set_up import fit_set_up
 from .left_out import RIGID, Leaver, tempered
 from .tempering import is_overstated, temper
-from .tool import ToolMotion, tool_motion, tool_points, tool_problem
+from .tool import ToolMotion, in_its_base, tool_motion, tool_points, tool_problem
 from .unsteady import unsteady
 
 SAMPLES = 100  # poses within the limits that say which directions move the tool
@@ -78,7 +78,7 @@ def _uncertainty(result: Fit) -> Uncertainty | None:
     left = float(np.sqrt(np.sum(result.residual[:, gauge.chosen][here] ** 2, axis=-1).mean()))
     idle = _idle_turns(at.points[here], ITS_ERROR * left)
     rows[:6] -= idle @ (idle[3:].T @ rows[3:6])
-    factor = _reduced(rows, at.J, _far(told, acting, at).J)
+    factor = _reduced(rows, at.J, _far(told, acting, at).J, kept.measured)
     fitted = at.J @ factor
     base, nominal = _nominal(problem, told, at.points)
     places = [np.array(target.xyz) for target in gauge.targets]
@@ -276,10 +276,11 @@ def _stands(told: Problem, acting: Acting) -> bool:
     return True
 
 
-def _reduced(rows: Array, near: Array, far: Array) -> Array:
+def _reduced(rows: Array, near: Array, far: Array, base_measured: bool) -> Array:
     """(M, k) a factor of the covariance without what does not move the tool, by its motions (N, T, 3, M) at
-    the measured poses and elsewhere."""
-    moved = [J.reshape(-1, len(rows)) @ rows for J in (near, far)]
+    the measured poses and elsewhere; nor moves it in a base that was measured."""
+    seen = [rows, in_its_base(rows)] if base_measured else [rows]
+    moved = [J.reshape(-1, len(rows)) @ each for each in seen for J in (near, far)]
     least = FAINT**2 * float((moved[0] ** 2).mean(axis=0).sum())
     normal = sum(m.T @ m / len(m) for m in moved)
     size, way = np.linalg.eigh(normal)

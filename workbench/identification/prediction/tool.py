@@ -67,6 +67,13 @@ def tool_motion(problem: Problem, acting: Acting) -> ToolMotion:
     return ToolMotion(points, told_apart(cols.names), J.reshape(*shape, -1), direct, joint)
 
 
+def in_its_base(rows: Array) -> Array:
+    """Rows (P, k) of a covariance's root, in the order of `ToolMotion`, for the tool in a base that is known:
+    in the instrument's frame base and axis 1 are unsure together and cancel, in the base axis 1 stands alone.
+    """
+    return np.vstack([np.zeros_like(rows[:6]), rows[6:]])
+
+
 def turns_of(points: Array, seen: NDArray[np.bool_]) -> Array:
     """(N, 3, 3 T) [rad/m] how a rigid tool turns by the motions of its points (N, T, 3), of those that are
     `seen` (N, T), in least squares."""
