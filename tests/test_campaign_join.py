@@ -98,6 +98,19 @@ def test_join_refuses_what_cannot_be_one(tmp_path: Path) -> None:
     ]
 
 
+def test_a_urdf_that_is_written_anew_is_of_the_same_robot(tmp_path: Path) -> None:
+    """As the one that goes with a plan: what it says counts."""
+    one = load_campaign(write_example(tmp_path / "one"))
+    other = write_example(tmp_path / "two")
+    urdf = other.parent / "robot" / "tiny.urdf"
+    text = urdf.read_text()
+    urdf.write_text("<!-- anew -->\n" + text.replace('upper="3.2"', 'upper="3.20"').replace("  <", "<"))
+    assert join([one, load_campaign(other)]).robot == one.robot
+    urdf.write_text(text.replace("0 1 0", "0 -1 0"))
+    with pytest.raises(InputError, match="another URDF"):
+        join([one, load_campaign(other)])
+
+
 def test_tools_that_differ_are_payloads(tmp_path: Path) -> None:
     """What hangs at the flange stays what it was, alone and with a payload."""
     tool = "[tool]\nmass_kg = {}\ncom_mm = [0.0, 0.0, 80.0]\n"

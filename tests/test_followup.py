@@ -31,7 +31,7 @@ from workbench.diagnosis.result import Decision, Finding, Rival
 from workbench.effects.records import parse_effect
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
-from workbench.measurement.design import decide
+from workbench.measurement.design import decide, settle
 from workbench.measurement.design.decide import command_text
 from workbench.measurement.design.prior_information import from_prepared
 from workbench.measurement.design.settle import tie_said
@@ -391,3 +391,25 @@ def test_the_study_counts_and_resumes(tmp_path):
     assert again.to_json() == json.loads(json.dumps(study.to_json()))
     assert (tmp_path / "index.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert json.loads((tmp_path / "results.json").read_text())["cases"] == 2
+
+
+def test_a_rival_that_no_poses_tell_leaves_the_others_to_be_told(open_tie, monkeypatch):
+    _, _, first = open_tie
+    said = ",".join(
+        f"{cause}:joint=joint_4,{size}probability=0.3"
+        for cause, size in (("gear_ratio", "relative=2e-4,"), ("hose_torque", ""), ("gear_eccentricity", ""))
+    )
+    tie = tie_said(said, first.prepared.geometry)
+
+    def power(settling, _):
+        return 0.9 - 0.8 * any(rival.cause == "hose_torque" for rival in settling.ties[0].rivals)
+
+    monkeypatch.setattr(settle.Settling, "power", power)
+    rest, gone = settle._with_hope(None, None, tie)
+    assert [rival.cause for rival in gone] == ["hose_torque"]
+    assert {rival.cause for rival in rest.rivals} == {"gear_eccentricity"}
+    assert {form.first.cause for form in rest.forms} == {"gear_ratio", "gear_eccentricity"}
+    monkeypatch.setattr(settle.Settling, "power", lambda *_: 0.1)
+    rest, gone = settle._with_hope(None, None, tie)
+    assert not rest.rivals
+    assert gone == [tie.rivals[0]]

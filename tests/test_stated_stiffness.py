@@ -9,6 +9,9 @@ from workbench.diagnosis import candidates
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.search.also_yields import _others
 from workbench.effects.place import NOWHERE
+from workbench.measurement.design.decide import command_text
+from workbench.measurement.design.settle import tie_said
+from workbench.measurement.design.ties import tie_of
 
 SHARES = (-0.19, -0.22, -0.2, -0.18, -0.21, -0.2)  # nearly alike
 
@@ -28,12 +31,16 @@ def test_stiffnesses_that_are_all_off_by_a_factor_are_no_loads(loads):
 
 def test_of_an_arm_with_one_load_they_may_be_its_weights_as_well():
     every = tuple(f"joint_compliance:joint=joint_{j},relative={r}" for j, r in enumerate(SHARES, 1))
-    found = diagnose(measured("6R", every, loads=())).diagnosis
-    (cause,) = found.causes
+    outcome = diagnose(measured("6R", every, loads=()))
+    (cause,) = outcome.diagnosis.causes
     assert cause.status == "ambiguous"
     both = {(cause.cause, cause.where), *((one.cause, one.where) for one in cause.rivals)}
     assert {("joint_compliance", NOWHERE), ("link_mass", NOWHERE)} <= both
     assert cause.separate_by == "measure with two payloads: a stiffness acts on both, a link mass on neither"
+    tie = tie_of(outcome, cause)
+    assert tie is not None
+    said = tie_said(command_text(tie), outcome.prepared.geometry)  # not every joint, not every link
+    assert (said.effect, said.rivals) == (tie.effect, tie.rivals)
 
 
 def test_a_joint_that_no_load_turns_is_as_stiff_as_what_it_carries_asks():

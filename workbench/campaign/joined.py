@@ -116,13 +116,22 @@ def _another_robot(one: Robot, other: Robot) -> str | None:
     """How a robot is called that is not the other one: of the same name by its files and what they say
     otherwise. None: it is the same."""
     said = set(_said_otherwise(one, other))
-    if one.urdf.resolve() != other.urdf.resolve() and one.urdf.read_bytes() != other.urdf.read_bytes():
+    alike = one.urdf.resolve() == other.urdf.resolve() or one.urdf.read_bytes() == other.urdf.read_bytes()
+    if not alike and not _same_arm(one, other):
         said.add(f"another URDF ({other.urdf}, {one.urdf})")
     if not said:
         return None
     if one.name != other.name:
         return repr(one.name)
     return f"another version of it ({other.path} is not as {one.path}: {', '.join(sorted(said))})"
+
+
+def _same_arm(one: Robot, other: Robot) -> bool:
+    """Whether two URDFs make the same arm, however written: what goes with a plan is written anew."""
+    from ..robot.rigid_plant import arrays
+
+    a, b = arrays(one), arrays(other)
+    return all(np.array_equal(getattr(a, field.name), getattr(b, field.name)) for field in fields(a))
 
 
 def _said_otherwise(one: Robot, other: Robot) -> Iterator[str]:

@@ -13,16 +13,13 @@ from ..robot.kinematics import Arm, Array
 from .base import Effect, Param, Rest, grouped
 from .drawn import Drawn
 from .kinds import AxialYield, LinearYield, YieldEffect
-from .place import Where
+from .place import ALL, Where
 from .unnamed.curved_yield import CurvedYield
 from .unnamed.loads import Torque
 
 ONE_SIDED = 0.15  # of the yield, that depends on the torque's sign
 RIGID = 0.01  # of the model's compliance: below that a fit tells it from none on no robot
 CURVED = 0.2  # of the yield, that is not in proportion to the torque
-
-
-ALL = "all"  # of the arm's joints, at once
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,8 @@ from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
 from .base import Param, short
 from .masses import MassEffect, mass_wrench, usually_mounted
-from .place import Parameter, Where
+from .place import ALL, Parameter, Where
 
-ALL = "all"  # of the arm's links, at once
 ALL_USUAL, ALL_MOST = 0.5, 4.0  # of their masses, by which published URDFs are off
 
 

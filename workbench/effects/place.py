@@ -50,3 +50,4 @@ class Where:
 
 
 NOWHERE = Where()  # the whole robot
+ALL = "all"  # variant of a cause that joints or links have: in all of them alike

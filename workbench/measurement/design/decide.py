@@ -18,6 +18,7 @@ from ...diagnosis.telling.headline import words_of
 from ...effects import separation_beside
 from ...effects.base import Effect
 from ...effects.given import given_facts
+from ...effects.place import ALL
 from ...effects.records import effect_text
 from ...files.faults import InputError
 from ...identification.fit import Fit
@@ -215,6 +216,9 @@ def _readings(problem: Problem, tie: Tie, offers: Offers, now: float) -> list[De
     likeliest = sorted(tie.rivals, key=lambda rival: -tie.chance(rival.key))
     only = len({rival.key for rival in tie.rivals}) == 1
     for effect in (tie.effect, *(rival for rival in likeliest if rival.key not in offers.unsettled)):
+        apart = {one.where for one in (tie.effect, *tie.rivals) if one.cause == effect.cause}
+        if effect.variant == ALL and len(apart) > 1:
+            continue  # a whole that is off may be one part alone
         spread, after = _spread(tie, effect, space, now)
         for name, unit in effect.wholes.items():
             abouts = _abouts(tie, effect, space, carried.get(effect.key, 0.0))
@@ -222,7 +226,9 @@ def _readings(problem: Problem, tie: Tie, offers: Offers, now: float) -> list[De
             if not spread or not slope or len(effect.params) != 1:
                 continue
             std = float(f"{spread * effect.params[0].typical / slope:.1g}")
-            where = f" of {effect.where}" if str(effect.where) else ""
+            where = (
+                f" of {effect.where}" if str(effect.where) else " of all that moves" * (effect.variant == ALL)
+            )
             exactly = f"{std:,.10g}".replace(",", "\N{NO-BREAK SPACE}")
             words = f"read {name}{where} to ± {exactly} {unit}".removesuffix(" 1")
             words += "" if only or effect is tie.effect else f": whether it is {_said(effect)}"
@@ -310,6 +316,9 @@ def _with(text: str, chance: float | None) -> str:
 
 
 def _text(effect: Effect, more: Mapping[str, str] | None = None) -> str:
-    """The cause with its place, as `--tell` takes it, and more of it."""
-    where = ",".join(f"{key}={value}" for key, value in {**effect.where.keys(), **(more or {})}.items())
+    """The cause with its place, as `--tell` takes it, and more of it. One that is alike in the whole arm has
+    that said: else all places would be asked for."""
+    whole = {"variant": ALL} if effect.variant == ALL else {}
+    said = {**effect.where.keys(), **whole, **(more or {})}
+    where = ",".join(f"{key}={value}" for key, value in said.items())
     return f"{effect.cause}:{where}" if where else effect.cause

@@ -131,7 +131,8 @@ def settle_space(prior: PriorInformation, text: str, search: Search) -> SettleSp
     said = [] if text.endswith(".json") else split_ties(text)
     ties = [tie_said(one, prior.fit) for one in said] or ties_of(Path(text), prior.fit)
     valued = at_zero(ties)
-    factors = varied(effect for effect, _ in valued).possible(search.driving)
+    named = (effect for effect, _ in valued if effect.cause != UNKNOWN)  # for those without, nobody waits
+    factors = varied(named).possible(search.driving)
     rng = np.random.default_rng([search.seed, 21])
     offered = candidates(prior, search.pool, factors, rng, search.draw)
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
@@ -145,10 +146,28 @@ def settle_space(prior: PriorInformation, text: str, search: Search) -> SettleSp
         check_shown(space, [tie.rivals for tie in ties], prior)
     every = np.arange(len(space.rows))
     most = space.measured(every, MOST_MEASURED)
-    some = tuple(tie for tie in asked if Settling(space, [tie]).power(most) >= HOPELESS)
-    lost = tuple((tie.effect, tie.rivals[0]) for tie in asked if tie not in some)
+    parted = [_with_hope(space, most, tie) for tie in asked]
+    some = tuple(tie for tie, _ in parted if tie.rivals)
+    lost = tuple((tie.effect, rival) for tie, gone in parted for rival in gone)
     notes = tuple(filter(None, map(_too_large, asked)))
     return SettleSpace(prior, valued, offered, space, some, asked, lost, notes, search)
+
+
+def _with_hope(space: DesignSpace, most: Array, tie: Tie) -> tuple[Tie, list[Effect]]:
+    """The tie without the rivals that no records on offer tell from the cause, and these; without all, and
+    the first, where the records do not settle the rest. most: information of all that anyone measures."""
+
+    def hopeless(one: Tie) -> bool:
+        return Settling(space, [one]).power(most) < HOPELESS
+
+    if not hopeless(tie):
+        return tie, []
+    rivals = {rival.key: rival for rival in reversed(tie.rivals)}
+    gone = [rival for key, rival in reversed(rivals.items()) if hopeless(tie.beside(key))]
+    rest = tie.without([rival.key for rival in gone])
+    if rest.rivals and not hopeless(rest):
+        return rest, gone
+    return tie.without(list(rivals)), [tie.rivals[0]]
 
 
 def plan_settling(

@@ -13,7 +13,7 @@ the rivals, each as likely as it is now (`expected_odds`).
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import permutations
@@ -98,6 +98,14 @@ class Tie:
             self,
             rivals=tuple(rival for rival in self.rivals if rival.key == key),
             forms=tuple(form for form in self.forms if form.first.key in kept),
+        )
+
+    def without(self, keys: Collection[Key]) -> Tie:
+        """The tie without some of its rivals."""
+        return replace(
+            self,
+            rivals=tuple(rival for rival in self.rivals if rival.key not in keys),
+            forms=tuple(form for form in self.forms if form.first.key not in keys),
         )
 
     def hypotheses(self, space: DesignSpace) -> Hypotheses:

@@ -18,6 +18,7 @@ from ...campaign import Campaign
 from ...campaign.problem import Problem, problem_of
 from ...effects import catalogue
 from ...effects.base import Effect
+from ...effects.place import ALL
 from ...simulation.virtual_campaign import Truth, simulate
 from . import loads, surroundings, transmission
 from .designs import ROBOTS, Design, draw_design, draw_robot
@@ -140,7 +141,7 @@ def _hide(
     for cause in causes:
         by_key: dict[Any, list[Effect]] = {}
         for effect in catalogue()[cause].sites(problem):
-            if effect.variant == "all" or (cause == "bearing_tilt" and effect.rare):
+            if effect.variant == ALL or (cause == "bearing_tilt" and effect.rare):
                 continue  # all masses of an arm, play of a bearing: robots drawn here have none such
             by_key.setdefault(effect.key, []).append(effect)
         if not by_key:
