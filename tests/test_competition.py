@@ -222,6 +222,21 @@ def test_two_in_the_place_of_one_are_found_where_neither_does_alone():
     assert few.split([Member(0, 0, 1.0)]) is None  # nothing else is there
 
 
+def test_what_two_do_together_is_a_rival_of_what_does_it_alone():
+    """The data are a + b, and nearly c: by itself neither of a and b is a rival of c, but both are."""
+    a, b, odd = np.eye(3) * 60.0
+    columns = np.column_stack([a, b, (a + b) / np.sqrt(2) + 0.04 * odd])
+    competition = of_columns(columns, np.array([60.0, 60.0, 0.0]) * 1.2)
+    alone = competition.exchanged([Member(2, 0, 1.0)], np.ones(3, bool))
+    both = competition.exchanged([Member(0, 0, 1.0), Member(1, 0, 1.0)], np.ones(3, bool))
+    assert competition.best() == alone
+    (share,) = competition.shares(alone)
+    odds = np.exp(competition.score(both) - competition.score(alone))
+    assert 0.05 < odds < 1
+    rival = max(share.get(0, 0.0), share.get(1, 0.0))
+    assert rival / share[2] == pytest.approx(odds, rel=0.05)
+
+
 def test_one_in_the_place_of_two_is_found_where_it_takes_neither_place_alone():
     """The data are a + b, and but for a little c alone: beside either of a and b the other is worth more."""
     a, b, odd = np.eye(3) * 60.0

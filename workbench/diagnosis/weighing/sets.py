@@ -20,7 +20,7 @@ EXPLAINS = 1.0  # log Bayes factor from which a component explains anything at a
 EXCHANGES = 4  # rounds of them
 AT_ONCE = 4  # members that are weighed together: of as many, one changes
 STRONGEST, PAIRS = 6, 3  # members in the place of which two are tried, and how many such pairs
-ABOUT, SHARE = 5.0, 0.02  # log odds that the estimate of a pair's may be off, and of those that it has
+ABOUT, SHARE = 12.0, 0.02  # log odds that the estimate of a pair's may be off, and of those that it has
 WEAKEST = 3  # members without which another may be likelier in another's place
 CLEARLY = 0.5  # log odds by which another component must be likelier to take a member's place
 
@@ -126,20 +126,28 @@ class Competition:
     def split(self, members: Sequence[Member]) -> list[Member] | None:
         """The set with two components in the place of one of its strongest members, where that is likelier;
         None where it is not. What one cause does roughly, two may do truly, though neither does it alone."""
-        chosen, now = Chosen(self.reduced, members), self.score(members)
-        takes = [chosen.explained - chosen.explained_without(i) for i in range(len(members))]
-        for i in np.argsort(takes)[: -STRONGEST - 1 : -1].tolist():
-            if members[i].component in self.certain:
-                continue
-            others = [member for j, member in enumerate(members) if j != i]
-            rest = Chosen(self.reduced, others)
-            if members[i].component not in self._open(rest, None, None):  # what it needs is gone
-                continue
-            for pair in self._pairs(rest, members[i]):
-                new = self.exchanged([*others, *pair], self._only(*others, *pair))
+        now = self.score(members)
+        for i in self._strongest(Chosen(self.reduced, members)):
+            for _, new in self._in_its_place(members, i):
                 if self.score(new) > now + CLEARLY:
                     return new
         return None
+
+    def _strongest(self, chosen: Chosen) -> list[int]:
+        """The members that take most off χ², without what is certain to be there."""
+        takes = [chosen.explained - chosen.explained_without(i) for i in range(len(chosen.members))]
+        first = np.argsort(takes)[: -STRONGEST - 1 : -1].tolist()
+        return [i for i in first if chosen.members[i].component not in self.certain]
+
+    def _in_its_place(
+        self, members: Sequence[Member], i: int
+    ) -> Iterator[tuple[tuple[Member, Member], list[Member]]]:
+        """Pairs that may stand in a member's place, each with the set that then is likeliest."""
+        others = [member for j, member in enumerate(members) if j != i]
+        rest = Chosen(self.reduced, others)
+        if members[i].component in self._open(rest, None, None):  # what it needs is there
+            for pair in self._pairs(rest, members[i]):
+                yield pair, self.exchanged([*others, *pair], self._only(*others, *pair))
 
     def _pairs(self, rest: Chosen, instead_of: Member) -> Iterator[tuple[Member, Member]]:
         """The likeliest pairs beside a set, if about as likely as a member was. Of each two the evidence
@@ -157,6 +165,18 @@ class Competition:
         first, second = np.nonzero(odds > least)
         for at in np.argsort(odds[first, second])[: -PAIRS - 1 : -1]:
             yield alone[first[at]], alone[second[at]]
+
+    def _two_causes(self, members: Sequence[Member], i: int) -> Iterator[tuple[int, float]]:
+        """Of two causes in the place of a member the first, and how much likelier than its own the set with
+        them is (log): what several springs do together one elsewhere may do nearly."""
+        own, now = self.components[members[i].component], self.score(members)
+        if own.nameless:
+            return
+        for pair, new in self._in_its_place(members, i):
+            there = {member.component for member in new}
+            two = [member.component for member in pair]
+            if there >= {*two} and not any(self.components[k].nameless for k in two):
+                yield two[0], min(self.score(new) - now, 0.0)
 
     @staticmethod
     def _in_order(members: list[Member]) -> list[Member]:
@@ -267,6 +287,7 @@ class Competition:
         """
         out = []
         chosen, stand_ins = Chosen(self.reduced, members), StandIns(self.forms, self.components)
+        strongest = self._strongest(chosen)
         anyway = {k: max(w.log_odds, 0.0) for k, w in self.beside(chosen).items()}
         least = np.array([anyway[k] + self.components[k].log_odds + EXPLAINS for k in anyway])
         most = self.forms.most(chosen, list(anyway), range(len(members))) if members else np.zeros((0, 0))
@@ -286,6 +307,11 @@ class Competition:
                     logs[k] = value
             believed: Shares = {None: 0.0}
             believed.update(stand_ins.believed(chosen, i, weights, logs).items())
+            if i in strongest:
+                for k, value in self._two_causes(members, i):
+                    believed[k] = float(
+                        np.logaddexp(believed.get(k, -np.inf), logs[member.component] + value)
+                    )
             top = max(believed.values())
             mass = {k: float(np.exp(v - top)) for k, v in believed.items()}
             total = sum(mass.values())
