@@ -193,7 +193,7 @@ def test_compliances_are_found_and_joint_1_says_that_it_is_not_seen():
     heavy = {"heavy": (250.0, (0.1, 0.0, 0.2))}
     q = random_poses(robot, 60, np.random.default_rng(4))
     plan = planned(robot, q, payloads=heavy, payload=["", "heavy"] * 30)
-    sites = JointCompliance.sites(problem_of(plan))
+    sites = JointCompliance.each(problem_of(plan))
     truth = Truth(effects=((sites[2], np.array([0.3])),), sigma=SIGMA, repeatability=np.zeros(6))
     result = fitted(problem_of(simulate(plan, truth, seed=4)), tuple(sites))
     names = [f"joint_compliance/{name}" for name in robot.joint_names]
@@ -208,7 +208,7 @@ def test_compliances_are_found_and_joint_1_says_that_it_is_not_seen():
 def test_fitted_numbers_have_names():
     job, _ = measured(judge=1, setup=["left", "right"] * 60)
     order = [GearKinematicError(Where(joint="elbow_joint", order=k)) for k in (40.0, 83.5)]
-    result = fitted(job, (*JointCompliance.sites(job)[:2], *order))
+    result = fitted(job, (*JointCompliance.each(job)[:2], *order))
     assert len(set(result.columns.names)) == len(result.columns.names)
     for p, name in enumerate(result.columns.names):
         assert result.columns.index(name) == p

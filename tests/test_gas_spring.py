@@ -163,7 +163,7 @@ def test_compliances_come_out_of_loaded_minus_unloaded() -> None:
     assert difference_rows(plan).shape == (12, 9, 6)
     fixed = replace(plan, targets=tuple(replace(target, fixed=True) for target in plan.targets))
     still = measure_pairs(fixed, Truth(sigma=1e-5), 2, (np.eye(3), np.zeros(3)))
-    found = fit_pairs(still, JointCompliance.sites, 1e-5)
+    found = fit_pairs(still, JointCompliance.each, 1e-5)
     values, std = compliances(found)
     k = [1 / (joint.data.stiffness or np.inf) for joint in robot.joints]
     np.testing.assert_array_less(abs(values - k), 4 * std)

@@ -155,9 +155,13 @@ class ArmCompliance(YieldEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[ArmCompliance]:
-        """Where the model states a stiffness of more joints than one."""
+        """Where the model states a stiffness of more joints than one, and gravity alone pulls: forces from
+        outside show each joint by itself, and are off by some hundredths in their own right."""
         joints = tuple(one for one in JointCompliance.each(problem) if one.stated)
-        return [cls(joints=joints)] if len(joints) > 1 else []
+        return [] if len(joints) < 2 or problem.campaign.poses.wrench.any() else [cls(joints=joints)]
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        return [pair for joint in self.joints for pair in joint.companions(problem)]
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         """Of the joint that moves most by it."""

@@ -17,6 +17,7 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.special import logsumexp
 
 from ...effects.base import Effect
+from ...effects.place import NOWHERE
 from ...effects.unnamed.loads import StatedForces
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
@@ -71,6 +72,8 @@ def _elsewhere(fit: Fit, candidates: Sequence[Effect]) -> Iterator[Sized]:
     found, had = {effect.key for effect in fit.model.effects}, set[tuple[Key, str]]()
     for effect in candidates:
         place = effect.key, effect.variant if effect.together else ""
+        if effect.stated and effect.where == NOWHERE:  # of joints of which each is here by itself
+            continue
         if effect.by_loads and effect.key not in found and place not in had:
             had.add(place)
             yield effect, usual(fit, effect)

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...effects.base import UNKNOWN, Effect
-from ...effects.place import Where
+from ...effects.place import NOWHERE, Where
 from ...identification.fit import Fit
 from ...identification.patterns import Pattern
 from ...robot.kinematics import Array
@@ -107,6 +107,11 @@ class Component:
     @property
     def nameless(self) -> bool:
         return self.key[0] == UNKNOWN
+
+    @property
+    def alike(self) -> bool:
+        """Whether it is in all joints alike what the model states of each."""
+        return self.key[1] == NOWHERE and self.effect is not None and self.effect.stated
 
     @property
     def yields(self) -> bool:

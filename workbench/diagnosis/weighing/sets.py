@@ -35,6 +35,11 @@ class Competition:
         self.reduced, self.components, self.needs = reduced, components, needs or {}
         self.forms = Forms(reduced, components)
         self.certain = frozenset(k for k, component in enumerate(components) if component.certain)
+        self._either = {
+            k: {i for i, other in enumerate(components) if i != k and other.key[0] == component.key[0]}
+            for k, component in enumerate(components)
+            if component.alike
+        }  # what is alike in all joints, or off in some: not both
 
     def beside(
         self, chosen: Chosen, without: int | None = None, among: Mask | None = None
@@ -54,6 +59,9 @@ class Competition:
         allowed[list(taken)] = False
         for k, needed in self.needs.items():
             allowed[k] &= needed <= taken
+        for k, parts in self._either.items():
+            allowed[list(parts)] &= k not in taken
+            allowed[k] &= not parts & taken
         return [int(k) for k in np.flatnonzero(allowed)]
 
     def score(self, members: Sequence[Member]) -> float:
@@ -68,7 +76,8 @@ class Competition:
 
     def best(self, before: Sequence[str] = ()) -> list[Member]:
         """The best of three searches: everything at once; causes first, then everything; and what yields
-        first, which one load hardly tells from heavier masses and stiffer joints elsewhere. Where a set was
+        first, which one load hardly tells from heavier masses and stiffer joints elsewhere; and of a fourth
+        without what is alike in all joints, where they found that. Where a set was
         found before (labels of its components), the search goes on from there. In the order of the
         components: two searches that end at one set are one, and what follows does not hang on rounding.
         What is certain to be there is in every set, and left out at the end where it shows nothing."""
@@ -82,6 +91,9 @@ class Competition:
         for some in (causes, yields):
             if not all(some[m.component] for m in found[0]) and (begun := self.search(there, some)) != there:
                 found.append(self.search(begun, everything))
+        if any(m.component in self._either for members in found for m in members):
+            some = np.array([k not in self._either for k in range(len(self.components))])
+            found.append(self.search(self.search(there, some), everything))
         return self._showing(self._settled(max(map(self._in_order, found), key=self.score)))
 
     def _showing(self, members: list[Member]) -> list[Member]:
