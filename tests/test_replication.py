@@ -174,7 +174,9 @@ def test_what_a_part_hardly_shows_gives_an_effect_no_power(hardly_seen):
 
 def test_what_the_parts_name_instead_takes_the_place(competition):
     """Of two members that the parts take for the same, one stays; what they do not find keeps its name."""
-    first, second, other, third = 3, 5, 8, 11
+    # but those that cannot stand beside each other
+    some = [k for k, one in enumerate(competition.components) if one.key[0] != "joint_compliance"]
+    first, second, other, third = (some[i] for i in (3, 5, 8, 11))
     members = [Member(k, 0, 1.0) for k in (first, second, third)]
     shares = [{other: 0.9, first: 0.1}, {other: 0.6, second: 0.3, None: 0.1}, {None: 0.7, third: 0.3}]
     now, theirs = renamed(competition, members, shares)
