@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
-from diagnosis_cases import measured
+from diagnosis_cases import TARGETS, measured
 
+from workbench import Truth, load_robot, planned, random_poses, simulate
+from workbench.campaign.problem import problem_of
 from workbench.diagnosis import candidates
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.search.also_yields import _others
+from workbench.effects import catalogue
 from workbench.effects.place import NOWHERE
+from workbench.effects.records import parse_effect
 from workbench.measurement.design.decide import command_text
 from workbench.measurement.design.settle import tie_said
 from workbench.measurement.design.ties import tie_of
@@ -27,6 +32,20 @@ def test_stiffnesses_that_are_all_off_by_a_factor_are_no_loads(loads):
     assert relative.std < 0.02
     assert "compliance of all joints alike" in found.headline
     assert cause.sentence.startswith("All joints are 1.2")
+
+
+def test_what_was_found_without_forces_acts_under_forces_as_well():
+    """There it is no candidate: a load cell is off by as much."""
+    robot = load_robot("kr500")
+    q = random_poses(robot, 6, np.random.default_rng(1))
+    plan = planned(robot, q, targets=TARGETS[:1], wrench=np.tile([500.0, 0, -800, 0, 0, 0], (6, 1)))
+    problem, kind = problem_of(plan), catalogue()["joint_compliance"]
+    assert {one.where for one in kind.places(problem)} - {one.where for one in kind.sites(problem)} == {
+        NOWHERE
+    }
+    softer = parse_effect("joint_compliance:relative=0.2", problem)
+    each = [simulate(plan, Truth(effects=some, sigma=0.0)).points for some in ((), (softer,))]
+    assert np.linalg.norm(each[1] - each[0], axis=2).min() > 5e-5
 
 
 def test_of_an_arm_with_one_load_they_may_be_its_weights_as_well():

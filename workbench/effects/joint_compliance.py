@@ -67,6 +67,10 @@ class JointCompliance(AxialYield, LinearYield):
         return [*cls.each(problem), *ArmCompliance.sites(problem)]
 
     @classmethod
+    def places(cls, problem: Problem) -> Sequence[YieldEffect]:
+        return [*cls.each(problem), *ArmCompliance.places(problem)]
+
+    @classmethod
     def each(cls, problem: Problem) -> list[JointCompliance]:
         """Every joint by itself."""
         return [
@@ -155,10 +159,15 @@ class ArmCompliance(YieldEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[ArmCompliance]:
-        """Where the model states a stiffness of more joints than one, and gravity alone pulls: forces from
-        outside show each joint by itself, and are off by some hundredths in their own right."""
+        """Where gravity alone pulls: forces from outside show each joint by itself, and are off by some
+        hundredths in their own right."""
+        return [] if problem.campaign.poses.wrench.any() else cls.places(problem)
+
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[ArmCompliance]:
+        """Where the model states a stiffness of more joints than one."""
         joints = tuple(one for one in JointCompliance.each(problem) if one.stated)
-        return [] if len(joints) < 2 or problem.campaign.poses.wrench.any() else [cls(joints=joints)]
+        return [cls(joints=joints)] if len(joints) > 1 else []
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         return [pair for joint in self.joints for pair in joint.companions(problem)]
