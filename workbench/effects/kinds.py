@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from functools import reduce
 from typing import ClassVar
 
 import numpy as np
@@ -129,20 +130,18 @@ class YieldEffect(Effect):
         return self._under(line, wrench, values)
 
     def _under(self, line: Slopes, wrench: Array, values: Array) -> Array:
-        arm = line.prediction.arm
-        moved = (part.law(arm, wrench[:, part.slot(arm)], values)[2] for part in self.parts)
-        return self._seen(line, moved)
+        return self._seen(line, lambda part, arm, k: part.law(arm, wrench[:, k], values)[2])
 
     def yields_to(self, line: Slopes, wrench: Array, values: Array) -> Array | None:
-        arm, local = line.prediction.arm, line.prediction.load.local
-        at = [(part, part.slot(arm)) for part in self.parts]
-        return self._seen(line, (part.law(arm, local[:, k], values)[1] @ wrench[:, k] for part, k in at))
+        local = line.prediction.load.local
+        return self._seen(line, lambda part, arm, k: part.law(arm, local[:, k], values)[1] @ wrench[:, k])
 
-    def _seen(self, line: Slopes, moved: Iterable[Array]) -> Array:
-        """(N, R, p) what is observed of motions (N, 6, p) of its parts."""
-        slots = [part.slot(line.prediction.arm) for part in self.parts]
-        each = (line.direct[:, :, 6 * k : 6 * k + 6] @ one for k, one in zip(slots, moved, strict=True))
-        return np.asarray(sum(each))
+    def _seen(self, line: Slopes, moved: Callable[[SlotYield, Arm, int], Array]) -> Array:
+        """(N, R, p) what is observed of its parts, of which each is `moved` (N, 6, p) at its slot."""
+        arm = line.prediction.arm
+        at = [(part, part.slot(arm)) for part in self.parts]
+        each = (line.direct[:, :, 6 * k : 6 * k + 6] @ moved(part, arm, k) for part, k in at)
+        return reduce(np.add, each)
 
 
 class SlotYield(YieldEffect):

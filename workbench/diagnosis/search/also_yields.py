@@ -15,14 +15,13 @@ from dataclasses import replace
 import numpy as np
 
 from ...effects.base import Effect
-from ...effects.place import NOWHERE
 from ...identification.fit import ROUGH, TOLERANCE, Fit, refit
 from ...identification.heldout import heldout
 from ...identification.noise import Covariance
 from ...robot.kinematics import RX
 from ..noise.scatter import with_scatter
 from ..priors import PRIORS
-from ..weighing.components import Key, bare, usual
+from ..weighing.components import Key, bare, is_alike, usual
 from ..weighing.stand_ins import SURELY
 from .competition import Selection
 from .off_form import of_itself
@@ -96,8 +95,8 @@ def _others(fit: Fit, found: Sequence[int], candidates: Sequence[Effect]) -> lis
     size = float(np.sqrt(np.mean(np.square(sizes)))) if found else 0.0
     there, others = {effect.key for effect in fit.model.effects}, dict[Key, Effect]()
     for effect in candidates:
-        whole = effect.stated and effect.where == NOWHERE  # of joints of which each is here by itself
-        if effect.in_proportion and not whole and effect.key not in there:
+        # not all joints alike: each is here by itself
+        if effect.in_proportion and not is_alike(effect) and effect.key not in there:
             others.setdefault(effect.key, replace(effect, held=size * _as_built(fit, effect)))
     return list(others.values()) if size > 0 else []
 

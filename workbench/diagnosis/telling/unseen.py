@@ -17,12 +17,11 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.special import logsumexp
 
 from ...effects.base import Effect
-from ...effects.place import NOWHERE
 from ...effects.unnamed.loads import StatedForces
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
 from ..priors import PRIORS
-from ..weighing.components import Key, usual
+from ..weighing.components import Key, is_alike, usual
 from ..weighing.screen import along_own
 
 Sized = tuple[Effect, Array]  # with its prior sizes (p,)
@@ -72,9 +71,8 @@ def _elsewhere(fit: Fit, candidates: Sequence[Effect]) -> Iterator[Sized]:
     found, had = {effect.key for effect in fit.model.effects}, set[tuple[Key, str]]()
     for effect in candidates:
         place = effect.key, effect.variant if effect.together else ""
-        if effect.stated and effect.where == NOWHERE:  # of joints of which each is here by itself
-            continue
-        if effect.by_loads and effect.key not in found and place not in had:
+        # not all joints alike: each is here by itself
+        if effect.by_loads and not is_alike(effect) and effect.key not in found and place not in had:
             had.add(place)
             yield effect, usual(fit, effect)
 

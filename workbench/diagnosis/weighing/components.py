@@ -110,8 +110,8 @@ class Component:
 
     @property
     def alike(self) -> bool:
-        """Whether it is in all joints alike what the model states of each."""
-        return self.key[1] == NOWHERE and self.effect is not None and self.effect.stated
+        """As `is_alike`."""
+        return self.effect is not None and is_alike(self.effect)
 
     @property
     def yields(self) -> bool:
@@ -152,6 +152,11 @@ class Component:
         effect = self.forms[0].effects[0]
         order = "" if self.key[1].order is None else f" {self.key[1].order:g}"
         return f"{effect.label}{order}" + (f" ({effect.variant})" if self.nameless else "")
+
+
+def is_alike(effect: Effect) -> bool:
+    """Whether it is off in all joints alike what the model states of each."""
+    return effect.stated and effect.where == NOWHERE
 
 
 def bare(key: Key) -> Key:

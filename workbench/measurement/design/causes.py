@@ -9,7 +9,7 @@ from typing import Any
 from ...campaign.problem import Problem
 from ...diagnosis.candidates import untold
 from ...effects import catalogue
-from ...effects.base import Effect
+from ...effects.base import UNKNOWN, Effect
 from ...effects.records import PLACE, parse_effect
 from ...files.faults import Fault, InputError
 from ...files.toml import SHOWN
@@ -133,8 +133,9 @@ def factors(causes: Sequence[NamedCause], trial: Problem) -> Factors:
 
 
 def varied(effects: Iterable[Effect]) -> Factors:
-    """What besides pose and payload has to vary for these effects to show."""
-    depends = frozenset[str]().union(*(effect.uses for effect in effects))
+    """What besides pose and payload has to vary for these effects to show; for one without a name nobody
+    waits, or warms an arm."""
+    depends = frozenset[str]().union(*(effect.uses for effect in effects if effect.cause != UNKNOWN))
     return Factors("side" in depends, "temperature" in depends, "time" in depends)
 
 

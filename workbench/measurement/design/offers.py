@@ -10,7 +10,6 @@ import numpy as np
 
 from ...campaign import Campaign
 from ...effects import Key
-from ...effects.base import UNKNOWN
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
 from .candidates import candidates, reach_of
@@ -45,8 +44,7 @@ class Offers:
     def records(self) -> Campaign:
         """Records as `plan` offers them, but for whether the poses hang together: a plan's matter."""
         around = reach_of(self.prior, 0)
-        named = (effect for effect, _ in self.effects if effect.cause != UNKNOWN)
-        factors = varied(named).possible(around.cell.driving)
+        factors = varied(effect for effect, _ in self.effects).possible(around.cell.driving)
         draw = partial(around.draw, linked=False)
         return candidates(self.prior, POOL, factors, np.random.default_rng(21), draw)
 

@@ -131,8 +131,7 @@ def settle_space(prior: PriorInformation, text: str, search: Search) -> SettleSp
     said = [] if text.endswith(".json") else split_ties(text)
     ties = [tie_said(one, prior.fit) for one in said] or ties_of(Path(text), prior.fit)
     valued = at_zero(ties)
-    named = (effect for effect, _ in valued if effect.cause != UNKNOWN)  # for those without, nobody waits
-    factors = varied(named).possible(search.driving)
+    factors = varied(effect for effect, _ in valued).possible(search.driving)
     rng = np.random.default_rng([search.seed, 21])
     offered = candidates(prior, search.pool, factors, rng, search.draw)
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
