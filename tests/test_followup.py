@@ -31,7 +31,7 @@ from workbench.diagnosis.result import Decision, Finding, Rival
 from workbench.effects.records import parse_effect
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
-from workbench.measurement.design import decide, settle
+from workbench.measurement.design import decide, shown
 from workbench.measurement.design.decide import command_text
 from workbench.measurement.design.prior_information import from_prepared
 from workbench.measurement.design.settle import tie_said
@@ -256,6 +256,31 @@ def test_what_torques_tell_of_a_tie_that_they_do_not_settle_is_counted(hosed):
     assert re.search(r"at \d+ more poses: they tell hose torque in joint_5 from gear ratio in joint_5", words)
 
 
+def test_poses_are_offered_that_tell_some_of_the_rivals(hosed):
+    """No pose tells a hose pack from a ratio of its joint, but from a heavier link: the words say which, and
+    the command plans for that one."""
+    campaign, outcome = hosed
+    prior = from_prepared(outcome.prepared)
+    hose, values = parse_effect("hose_torque:joint=joint_5,rate=40", prior.problem)
+    rivals = tuple(
+        parse_effect(text, prior.problem)[0]
+        for text in ("gear_ratio:joint=joint_5,relative=1e-4", "link_mass:link=link_5,mass=2")
+    )
+    chances = {hose.key: 0.4, **{rival.key: 0.3 for rival in rivals}}
+    tie = tie_between(prior.fit, hose, values, rivals, chances)
+    valued = at_zero([tie])
+    offers = decide.Offers(prior, valued, prior.of_campaign(valued))
+    tell = shlex.quote(command_text(tie))
+    (way,) = decide._told_by_poses(offers, tie, tie, tell)
+    assert way.words.endswith(
+        "they tell hose torque in joint_5 from link mass in link_5, but not from gear ratio in joint_5"
+    )
+    made = follow_up(campaign, way, quick=True)
+    assert len(made.records.poses) == way.poses
+    assert [rival.cause for _, rival in made.hopeless] == ["gear_ratio"]
+    assert decide._told_by_poses(offers, tie.beside(rivals[0].key), tie, tell) == []
+
+
 def test_a_scale_is_asked_for_where_a_mass_is_a_rival(open_tie):
     """How exactly: a fifth of what would have to be wrong with it; the command says what was read."""
     _, campaign, outcome = open_tie
@@ -404,12 +429,12 @@ def test_a_rival_that_no_poses_tell_leaves_the_others_to_be_told(open_tie, monke
     def power(settling, _):
         return 0.9 - 0.8 * any(rival.cause == "hose_torque" for rival in settling.ties[0].rivals)
 
-    monkeypatch.setattr(settle.Settling, "power", power)
-    rest, gone = settle._with_hope(None, None, tie)
+    monkeypatch.setattr(shown.Settling, "power", power)
+    rest, gone = shown.with_hope(None, None, tie)
     assert [rival.cause for rival in gone] == ["hose_torque"]
     assert {rival.cause for rival in rest.rivals} == {"gear_eccentricity"}
     assert {form.first.cause for form in rest.forms} == {"gear_ratio", "gear_eccentricity"}
-    monkeypatch.setattr(settle.Settling, "power", lambda *_: 0.1)
-    rest, gone = settle._with_hope(None, None, tie)
+    monkeypatch.setattr(shown.Settling, "power", lambda *_: 0.1)
+    rest, gone = shown.with_hope(None, None, tie)
     assert not rest.rivals
     assert gone == [tie.rivals[0]]

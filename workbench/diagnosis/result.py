@@ -72,10 +72,11 @@ class Rival:
 
 @dataclass(frozen=True)
 class Decision:
-    """What would decide between a finding and its rivals. command: ready to run; poses: how many settle it;
-    lambda_before, lambda_after: how far apart the rivals are now, and after it (`measurement.design`)."""
+    """What would decide between a finding and its rivals. command: ready to run; poses: how many settle it,
+    or tell it from some of its rivals ("some_rivals"); lambda_before, lambda_after: how far apart the rivals
+    are now, and after it (`measurement.design`)."""
 
-    kind: Literal["poses", "drive_torque", "reading", "other"]
+    kind: Literal["poses", "drive_torque", "some_rivals", "reading", "other"]
     words: str
     command: str | None
     poses: int | None

@@ -14,7 +14,7 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome
-from ...diagnosis.telling.headline import words_of
+from ...diagnosis.telling.headline import listed, words_of
 from ...effects import separation_beside
 from ...effects.base import Effect
 from ...effects.given import given_facts
@@ -27,6 +27,7 @@ from .causes import CHANCE
 from .discrimination_plan import MOST_MEASURED
 from .offers import POSES, Offers, Poses, settled
 from .prior_information import from_prepared
+from .shown import with_hope
 from .t_optimal import DesignSpace
 from .ties import (
     POWER,
@@ -43,6 +44,7 @@ from .ties import (
 )
 
 MOST = 3  # ambiguous findings that are worked out, the strongest, and readings of each
+SETTLE = ("poses", "drive_torque")  # kinds that settle a tie as a whole
 VISIT = 100  # poses that a visit has, at most
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
@@ -107,6 +109,8 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
         words = f"record the torques of the drives (columns {columns}) at {count} more poses"
         command = f"workbench plan {source} --tell {tell} --poses {count} --torque --out follow-up"
         found.append(Decision("drive_torque", words, command, count, now, after))
+    if poses is None and torque is None:
+        found += _told_by_poses(offers, tie, heard, tell)
     found += _readings(problem, heard, offers, now)
     others: list[str] = []
     if poses is None and torque is None:
@@ -126,7 +130,7 @@ def _at_once(
 ) -> list[tuple[Decision, ...]]:
     """For each tie the poses that settle it in one visit with all others that take no more than one. alone:
     what decides each."""
-    ways = [[way for way in own if way.poses is not None and way.poses <= VISIT] for own in alone]
+    ways = [[way for way in own if way.kind in SETTLE and (way.poses or 0) <= VISIT] for own in alone]
     together = [tie for tie, own in zip(ties, ways, strict=True) if own]
     asked = [own for own in ways if own]
     if len(together) < 2:
@@ -174,6 +178,28 @@ def _settled_by_torque(offers: Offers, tie: Tie) -> tuple[int, float] | None:
         if all(Settling(space, [tie]).power(space.everything) >= POWER for space in spaces):
             return count, min(least(space, space.everything, tie) for space in spaces)
     return None
+
+
+def _told_by_poses(offers: Offers, tie: Tie, heard: Tie, tell: str) -> list[Decision]:
+    """Poses that tell the cause from some of its rivals, where none tell it from all. tell: the tie as
+    `--tell` takes it; `plan` leaves out what no poses tell, as here."""
+    space = offers.space
+    most = space.measured(np.arange(len(space.rows)), MOST_MEASURED)
+    rest, gone = with_hope(space, most, tie)
+    worth = {rival.key for rival in heard.rivals}
+    told, untold = (
+        list(dict.fromkeys(_said(one) for one in some if one.key in worth)) for some in (rest.rivals, gone)
+    )
+    poses = settled(space, [rest], offers.prior.fit) if told else None
+    if poses is None:
+        return []
+    about = "about " if poses.data is None else ""
+    words = f"{about}{poses.count} more poses, chosen for it: they tell {_said(tie.effect)} from "
+    words += listed(told) + (f", but not from {listed(untold)}" if untold else "")
+    command = f"workbench plan {offers.prior.problem.campaign.arguments} --tell {tell}"
+    command += f" --poses {poses.count} --out follow-up"
+    now = least(space, space.before, rest)
+    return [Decision("some_rivals", words, command, poses.count, now, poses.after(rest))]
 
 
 def _told_by_torque(offers: Offers, tie: Tie, columns: str) -> list[str]:

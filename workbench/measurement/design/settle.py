@@ -45,7 +45,7 @@ from .discrimination import advice
 from .discrimination_plan import MOST_MEASURED, Discrimination, DiscriminationPlan
 from .fedorov import Records, Search
 from .prior_information import PriorInformation, ValuedEffects
-from .shown import check_shown, with_shown
+from .shown import check_shown, with_hope, with_shown
 from .t_optimal import DesignSpace, Pair, design_space
 from .ties import (
     Attempts,
@@ -63,7 +63,6 @@ from .ties import (
 
 POSES = Attempts(first=24, fewest=12, most=120, times=5, margin=1.05)
 PLACES = (*PLACE, "order")
-HOPELESS = 0.5  # probability below which a tie stays open, mostly, however many poses anyone measures
 NOTHING = 0.01  # probability below which a plan brings nothing to what is true
 
 
@@ -145,28 +144,11 @@ def settle_space(prior: PriorInformation, text: str, search: Search) -> SettleSp
         check_shown(space, [tie.rivals for tie in ties], prior)
     every = np.arange(len(space.rows))
     most = space.measured(every, MOST_MEASURED)
-    parted = [_with_hope(space, most, tie) for tie in asked]
+    parted = [with_hope(space, most, tie) for tie in asked]
     some = tuple(tie for tie, _ in parted if tie.rivals)
     lost = tuple((tie.effect, rival) for tie, gone in parted for rival in gone)
     notes = tuple(filter(None, map(_too_large, asked)))
     return SettleSpace(prior, valued, offered, space, some, asked, lost, notes, search)
-
-
-def _with_hope(space: DesignSpace, most: Array, tie: Tie) -> tuple[Tie, list[Effect]]:
-    """The tie without the rivals that no records on offer tell from the cause, and these; without all, and
-    the first, where the records do not settle the rest. most: information of all that anyone measures."""
-
-    def hopeless(one: Tie) -> bool:
-        return Settling(space, [one]).power(most) < HOPELESS
-
-    if not hopeless(tie):
-        return tie, []
-    rivals = {rival.key: rival for rival in reversed(tie.rivals)}
-    gone = [rival for key, rival in reversed(rivals.items()) if hopeless(tie.beside(key))]
-    rest = tie.without([rival.key for rival in gone])
-    if rest.rivals and not hopeless(rest):
-        return rest, gone
-    return tie.without(list(rivals)), [tie.rivals[0]]
 
 
 def plan_settling(

@@ -1,4 +1,5 @@
-"""Causes that nothing in this model would show, in no pose: to tell them from others is no question."""
+"""Causes that nothing in this model would show, in no pose, and rivals that no pose tells from a cause: to
+settle these is no question."""
 
 from __future__ import annotations
 
@@ -12,11 +13,14 @@ from ...diagnosis.weighing.components import usual
 from ...effects.base import Effect
 from ...files.faults import Fault, InputError
 from ...identification.fit import Fit
+from ...robot.kinematics import Array
 from .causes import label
 from .discrimination_plan import MOST_MEASURED, TELLS
 from .prior_information import PriorInformation
 from .t_optimal import DesignSpace
-from .ties import Tie
+from .ties import Settling, Tie
+
+HOPELESS = 0.5  # probability below which a tie stays open, mostly, however many poses anyone measures
 
 
 def is_shown(space: DesignSpace, effect: Effect, fit: Fit | None) -> bool:
@@ -49,6 +53,23 @@ def with_shown(space: DesignSpace, tie: Tie, fit: Fit | None) -> Tie:
         rivals=tuple(rival for rival in tie.rivals if rival not in gone),
         forms=tuple(form for form in tie.forms if form.first not in gone),
     )
+
+
+def with_hope(space: DesignSpace, most: Array, tie: Tie) -> tuple[Tie, list[Effect]]:
+    """The tie without the rivals that no records on offer tell from the cause, and these; without all, and
+    the first, where the records do not settle the rest. most: information of all that anyone measures."""
+
+    def hopeless(one: Tie) -> bool:
+        return Settling(space, [one]).power(most) < HOPELESS
+
+    if not hopeless(tie):
+        return tie, []
+    rivals = {rival.key: rival for rival in reversed(tie.rivals)}
+    gone = [rival for key, rival in reversed(rivals.items()) if hopeless(tie.beside(key))]
+    rest = tie.without([rival.key for rival in gone])
+    if rest.rivals and not hopeless(rest):
+        return rest, gone
+    return tie.without(list(rivals)), [tie.rivals[0]]
 
 
 def _why(effect: Effect, problem: Problem) -> str:

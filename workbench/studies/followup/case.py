@@ -15,6 +15,7 @@ from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome, diagnose
 from ...effects.base import UNKNOWN
 from ...measurement.design import follow_up, what_decides
+from ...measurement.design.decide import SETTLE
 from ...measurement.design.ties import Tie, settled_at, tie_of, told_apart
 from ...simulation.virtual_campaign import simulate
 from ..blind.cases import Case, draw_case, true_robot
@@ -62,7 +63,7 @@ def offered(outcome: Outcome) -> Offer | None:
     """The strongest open finding that at most `MOST` poses settle; poses alone before poses with torques."""
     for finding in _open(outcome):
         tie = tie_of(outcome, finding)
-        ways = [d for d in finding.decide if d.command and d.poses is not None and d.poses <= MOST]
+        ways = [d for d in finding.decide if d.kind in SETTLE and (d.poses or 0) <= MOST]
         if tie is not None and ways:
             return Offer(finding, tie, min(ways, key=lambda way: way.kind != "poses"))
     return None
