@@ -18,7 +18,7 @@ from .causes import label
 from .discrimination_plan import MOST_MEASURED, TELLS
 from .prior_information import PriorInformation
 from .t_optimal import DesignSpace
-from .ties import Settling, Tie
+from .ties import POWER, Settling, Tie
 
 HOPELESS = 0.5  # probability below which a tie stays open, mostly, however many poses anyone measures
 
@@ -59,15 +59,15 @@ def with_hope(space: DesignSpace, most: Array, tie: Tie) -> tuple[Tie, list[Effe
     """The tie without the rivals that no records on offer tell from the cause, and these; without all, and
     the first, where the records do not settle the rest. most: information of all that anyone measures."""
 
-    def hopeless(one: Tie) -> bool:
-        return Settling(space, [one]).power(most) < HOPELESS
+    def power(one: Tie) -> float:
+        return Settling(space, [one]).power(most)
 
-    if not hopeless(tie):
+    if power(tie) >= POWER:
         return tie, []
     rivals = {rival.key: rival for rival in reversed(tie.rivals)}
-    gone = [rival for key, rival in reversed(rivals.items()) if hopeless(tie.beside(key))]
+    gone = [rival for key, rival in reversed(rivals.items()) if power(tie.beside(key)) < HOPELESS]
     rest = tie.without([rival.key for rival in gone])
-    if rest.rivals and not hopeless(rest):
+    if rest.rivals and power(rest) >= HOPELESS:
         return rest, gone
     return tie.without(list(rivals)), [tie.rivals[0]]
 
