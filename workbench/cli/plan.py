@@ -89,6 +89,13 @@ def add(commands: Commands) -> None:
         metavar="NAME=KG[:x,y,z mm]",
         help="a further load that can be mounted at the flange; NAME alone for one that a model.toml states",
     )
+    parser.add_argument(
+        "--reflector",
+        action="append",
+        default=[],
+        metavar="LINK",
+        help="a further target that can be put on a link, near its joint, or on the base",
+    )
     out_option(
         parser,
         "folder for poses, campaign, page, scene and program; or a file for the poses or the program alone "
@@ -128,6 +135,7 @@ def run(arguments: argparse.Namespace) -> None:
         dwell=arguments.dwell,
         torque=arguments.torque,
         payloads=named_loads(arguments.payload, robot),
+        reflectors=arguments.reflector,
         progress=progress,
     )
     files = [] if made.drive is None else _write(source, made, poses, program, arguments)

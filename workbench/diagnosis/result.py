@@ -76,7 +76,7 @@ class Decision:
     or tell it from some of its rivals ("some_rivals"); lambda_before, lambda_after: how far apart the rivals
     are now, and after it (`measurement.design`)."""
 
-    kind: Literal["poses", "drive_torque", "some_rivals", "reading", "other"]
+    kind: Literal["poses", "drive_torque", "some_rivals", "reflectors", "reading", "other"]
     words: str
     command: str | None
     poses: int | None

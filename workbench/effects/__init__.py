@@ -9,7 +9,9 @@ from dataclasses import replace
 from functools import cache
 
 from ..campaign.problem import Problem
+from ..robot.kinematics import Arm
 from .base import UNKNOWN, Effect
+from .kinds import SlotYield
 from .place import NOWHERE, Where
 
 Key = tuple[str, Where]  # cause and place
@@ -64,6 +66,25 @@ def separation_beside(one: Key, rival: Key, read: Collection[Key], problem: Prob
     placed = sorted(pair, key=lambda key: key[1].joint is not None)
     words = {name: text for key in placed for name, text in kinds[key[0]].words(key[1], problem).items()}
     return ", or ".join(way for way in ways if way not in done).format_map(words) or None
+
+
+def without_reflectors(advice: str) -> str:
+    """Such words, "; " between them, without what asks for targets on the arm or its base: how much these
+    bring can be worked out."""
+    ways = [part.split(", or ") for part in advice.split("; ")]
+    kept = [", or ".join(way for way in some if not way.startswith(("a target", "targets"))) for some in ways]
+    return "; ".join(filter(None, kept))
+
+
+def shown_on(effect: Effect, arm: Arm) -> str | None:
+    """The link, or "base", on which a target near its joint tells what sits there from what sits further out
+    or further in; None: the effect has no such place."""
+    where = effect.where
+    if where.joint is not None:
+        return arm.links[arm.slot_of_joint(where.joint)]
+    if where.link is not None:
+        return where.link
+    return "base" if isinstance(effect, SlotYield) and effect.slot(arm) == 0 else None
 
 
 def rivals(cause: str) -> tuple[str, ...]:

@@ -48,9 +48,9 @@ class BearingTilt(LinearYield):
     equation: ClassVar[str] = "phi_perp = c thin M_perp"
     separate: ClassVar[dict[str, str]] = {
         "bearing_tilt": "a target on the link between the two joints",
-        "link_bending": "a target on the link next to the joint",
+        "link_bending": "a target on the link near its joint",
         "foundation": "targets on the base casting",
-        "joint_compliance": "a target on the link next to the joint, or a load from the side",
+        "joint_compliance": "a target on the link near its joint, or a load from the side",
         "payload": "weigh what the flange carries",
     }
 

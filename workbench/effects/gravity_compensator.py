@@ -54,7 +54,7 @@ class GravityCompensator(LoadEffect):
         "gear_eccentricity": "record the motor torque of joint 2 (3 % is enough)",
         "gear_ratio": "record the motor torque of joint 2 (3 % is enough)",
         "joint_compliance": "record the motor torque of joint 2, or add a load",
-        "link_bending": "record the motor torque of joint 2, or a target in the middle of the link",
+        "link_bending": "record the motor torque of joint 2, or a target on the link near its joint",
         "link_mass": "{gauge}, or weigh the link",
         "lost_motion": "a load that reverses the torque of joint 2",
         "thermal_growth": "{gauge}, cold and warm",

@@ -42,8 +42,8 @@ class JointCompliance(AxialYield, LinearYield):
     separate: ClassVar[dict[str, str]] = {
         "payload": "weigh what the flange carries, or add a third load",
         "link_mass": "measure with two payloads: a stiffness acts on both, a link mass on neither",
-        "link_bending": "a target in the middle of the link",
-        "bearing_tilt": "a target on the link next to the joint, or a load from the side",
+        "link_bending": "a target on the link near its joint",
+        "bearing_tilt": "a target on the link near its joint, or a load from the side",
         "lost_motion": "a third load, one that reverses the torque",
         "gravity_compensator": "record the motor torque of the joint",
     }

@@ -47,13 +47,13 @@ class LinkBending(LinearYield):
     load_unit: ClassVar[str] = "N·m³"
     equation: ClassVar[str] = "w = (F l^3 \\/ 3 + M l^2 \\/ 2) \\/ E I"
     separate: ClassVar[dict[str, str]] = {
-        "joint_compliance": "a target in the middle of the link, or loads in two directions",
+        "joint_compliance": "a target on the link near its joint, or loads in two directions",
         "bearing_tilt": "targets at both ends of the link",
-        "gravity_compensator": "the motor torque of joint 2, or a target in the middle of the link",
+        "gravity_compensator": "the motor torque of joint 2, or a target on the link near its joint",
         "foundation": "targets on the base casting",
         "payload": "weigh what the flange carries",
-        "link_mass": "a target in the middle of the link, or weigh the link",
-        "link_bending": "a target in the middle of each link",
+        "link_mass": "a target on the link near its joint, or weigh the link",
+        "link_bending": "a target on each link near its joint",
     }
 
     @property

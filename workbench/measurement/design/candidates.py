@@ -47,7 +47,7 @@ class Factors:
 def reach_of(prior: PriorInformation, seed: int, cell: CellData | None = None) -> Reach:
     """The robot in its cell (default: that of the campaign). Raises InputError."""
     problem, rng = prior.problem, np.random.default_rng([seed, 24])
-    return reach(problem, prior.places, cell or problem.campaign.cell, rng, prior.shown)
+    return reach(problem, prior.known_places, cell or problem.campaign.cell, rng, prior.shown)
 
 
 def candidates(

@@ -15,7 +15,7 @@ from ...campaign.problem import Problem
 from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome
 from ...diagnosis.telling.headline import listed, words_of
-from ...effects import separation_beside
+from ...effects import separation_beside, without_reflectors
 from ...effects.base import Effect
 from ...effects.given import given_facts
 from ...effects.place import ALL
@@ -27,6 +27,7 @@ from .causes import CHANCE
 from .discrimination_plan import MOST_MEASURED
 from .offers import POSES, Offers, Poses, settled
 from .prior_information import from_prepared
+from .reflectors import settled_by_reflectors
 from .shown import with_hope
 from .t_optimal import DesignSpace
 from .ties import (
@@ -46,6 +47,7 @@ from .ties import (
 MOST = 3  # ambiguous findings that are worked out, the strongest, and readings of each
 SETTLE = ("poses", "drive_torque")  # kinds that settle a tie as a whole
 VISIT = 100  # poses that a visit has, at most
+OTHERWISE = "another kind of measurement"
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
 
@@ -79,7 +81,12 @@ def _decided(outcome: Outcome, told: Sequence[tuple[Finding, Tie]]) -> Outcome:
     alone = [_decisions(tie, _heard(tie, f), offers) for f, tie in told]
     at_once = _at_once([tie for _, tie in told], alone, offers)
     found = {id(f): (*more, *own) for (f, _), more, own in zip(told, at_once, alone, strict=True)}
-    causes = tuple(replace(f, decide=found.get(id(f), ())) for f in outcome.diagnosis.causes)
+    causes = tuple(
+        replace(f, decide=found[id(f)], separate_by=without_reflectors(f.separate_by or "") or OTHERWISE)
+        if id(f) in found
+        else f
+        for f in outcome.diagnosis.causes
+    )
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
 
 
@@ -111,6 +118,8 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
         found.append(Decision("drive_torque", words, command, count, now, after))
     if poses is None and torque is None:
         found += _told_by_poses(offers, tie, heard, tell)
+    if poses is None or poses.data is None:
+        found += _by_reflectors(offers, tie, heard, tell, poses)
     found += _readings(problem, heard, offers, now)
     others: list[str] = []
     if poses is None and torque is None:
@@ -120,7 +129,7 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
     if poses is None or poses.data is None:
         read = {item.effect.key for item in given_facts(problem)}
         said = (separation_beside(tie.effect.key, rival.key, read, problem) for rival in heard.rivals)
-        others += filter(None, said)
+        others += filter(None, (without_reflectors(words) for words in said if words))
     found += [Decision("other", words, None, None, now, None) for words in dict.fromkeys(others)]
     return tuple(found)
 
@@ -200,6 +209,23 @@ def _told_by_poses(offers: Offers, tie: Tie, heard: Tie, tell: str) -> list[Deci
     command += f" --poses {poses.count} --out follow-up"
     now = least(space, space.before, rest)
     return [Decision("some_rivals", words, command, poses.count, now, poses.after(rest))]
+
+
+def _by_reflectors(offers: Offers, tie: Tie, heard: Tie, tell: str, without: Poses | None) -> list[Decision]:
+    """Poses with reflectors on the arm or its base that settle it, as `settled_by_reflectors`."""
+    found = settled_by_reflectors(offers, tie, heard, without)
+    if found is None:
+        return []
+    links, poses = found
+    on = listed(["the base" if link == "base" else f"{link} near its joint" for link in links])
+    words = f"a reflector on {on}" if len(links) == 1 else f"reflectors on {on}"
+    about = "about " if poses.data is None else ""
+    words += f", measured beside the others at {about}{poses.count} more poses, chosen for it"
+    options = "".join(f" --reflector {quote(link)}" for link in links)
+    command = f"workbench plan {offers.prior.problem.campaign.arguments} --tell {tell}{options}"
+    command += f" --poses {poses.count} --out follow-up"
+    now = least(poses.space, poses.space.before, tie)
+    return [Decision("reflectors", words, command, poses.count, now, poses.after(tie))]
 
 
 def _told_by_torque(offers: Offers, tie: Tie, columns: str) -> list[str]:

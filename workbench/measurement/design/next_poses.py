@@ -52,6 +52,7 @@ def plan(
     dwell: float = DWELL_S,
     torque: bool = False,
     payloads: Mapping[str, tuple[float, Sequence[float]]] | None = None,
+    reflectors: Sequence[str] = (),
     progress: Progress = lambda _: None,
 ) -> Plan:
     """The next poses to measure: for accuracy, or to tell rival causes apart.
@@ -64,8 +65,9 @@ def plan(
     robot (default: what the campaign says); minutes: in place of a number of poses the time that they may
     take, loads, stops on the way and targets chosen with them; dwell: [s] of a standstill with one target;
     torque: the drives' torques are to be recorded too, as in a campaign that has them; payloads: further
-    loads that can be mounted, name → mass [kg] and centre of mass [m, flange frame]. progress: is told each
-    step in words. Raises `InputError` where there is no plan.
+    loads that can be mounted, name → mass [kg] and centre of mass [m, flange frame]; reflectors: links, or
+    "base", that get a target more. progress: is told each step in words. Raises `InputError` where there is
+    no plan.
 
     >>> from workbench import load_robot, plan
     >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
@@ -79,7 +81,8 @@ def plan(
     if poses is not None and minutes is not None:
         raise InputError(Fault("--poses, --minutes", "are two limits", "give the number or the time"))
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
-    prior = replace(_prior(source, tell, known).with_payloads(payloads or {}), torques=torque)
+    prior = _prior(source, tell, known).with_payloads(payloads or {}).with_reflectors(reflectors)
+    prior = replace(prior, torques=torque)
     around = reach_of(prior, seed, cell)
     seconds = None if minutes is None else 60 * minutes
     count = (poses or POSES) if seconds is None else _likely(around, seconds, dwell)
@@ -170,7 +173,10 @@ def follow_up(
     asked = shlex.split(decision.command)
     tell = asked[asked.index("--tell") + 1] if "--tell" in asked else None
     torque = "--torque" in asked
-    mounted = [asked[i + 1] for i, word in enumerate(asked) if word == "--payload"]
+    mounted, links = (
+        [asked[i + 1] for i, word in enumerate(asked) if word == option]
+        for option in ("--payload", "--reflector")
+    )
     return plan(
         campaign,
         decision.poses,
@@ -179,6 +185,7 @@ def follow_up(
         quick=quick,
         torque=torque,
         payloads=dict(payload(text, campaign.robot) for text in mounted),
+        reflectors=links,
         progress=progress,
     )
 

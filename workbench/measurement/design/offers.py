@@ -52,6 +52,19 @@ class Offers:
     def space(self) -> DesignSpace:
         return design_space(self.prior.of_records(self.records, self.effects), self.measured)
 
+    def with_reflectors(self, links: Sequence[str]) -> DesignSpace:
+        """The records with a target more on each of these links."""
+        prior = self.prior.with_reflectors(links)
+        more = prior.problem.campaign.targets[-len(links) :]
+        own, n = self.records, len(self.records.poses)
+        records = replace(
+            own,
+            targets=(*own.targets, *more),
+            points=np.full((n, len(own.targets) + len(more), 3), np.nan),
+            shots=np.zeros((n, len(own.targets) + len(more)), dtype=np.int64),
+        )
+        return design_space(prior.of_records(records, self.effects), self.measured)
+
     @property
     def _torques_tell(self) -> bool:
         """Whether the drives' torques were not recorded, but a load is in it."""

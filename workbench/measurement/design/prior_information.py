@@ -18,6 +18,7 @@ from ...campaign.known import with_known
 from ...campaign.payloads import with_payloads
 from ...campaign.planned import TARGETS, planned
 from ...campaign.problem import Problem, problem_of
+from ...campaign.reflectors import place_of, with_reflectors
 from ...diagnosis.prepared import Prepared, prepare
 from ...diagnosis.result import FaultFound
 from ...effects.base import Effect
@@ -65,8 +66,8 @@ class PriorInformation:
     acting: effects with the values that the robot's own TOML states; sigma: (T,) [m] noise per axis,
     joint: (n,) one sigma of the joints, body: as in `Covariance`; noise: where that comes from; shown: (T,)
     the targets that the campaign, of several the last, shows often, which new records show too; places:
-    (T, 3) [m] where these are behind their slots; torques: new records have the drives' torques, though the
-    campaign may have none;
+    (T, 3) [m] where these are behind their slots; further: how many of the last are still to be put on, about
+    there; torques: new records have the drives' torques, though the campaign may have none;
     faults: of the campaign's data, as a diagnosis finds them; given: numbers known by other means.
     """
 
@@ -84,6 +85,7 @@ class PriorInformation:
     given: tuple[Given, ...] = ()
     body: tuple[float, float] = (0.0, 0.0)
     torques: bool = False
+    further: int = 0
 
     def is_open(self, effect: Effect) -> bool:
         """Whether an effect may be there: it is neither given nor excluded."""
@@ -97,6 +99,26 @@ class PriorInformation:
         """With further loads that new records may carry, as `campaign.payloads.with_payloads`."""
         campaign = with_payloads(self.problem.campaign, payloads)
         return replace(self, problem=replace(self.problem, campaign=campaign))
+
+    def with_reflectors(self, links: Sequence[str]) -> PriorInformation:
+        """With a further target on each of these links, which new records show too, as
+        `campaign.reflectors.with_reflectors`."""
+        arm, own = self.problem.arm, np.sqrt(np.mean(self.sigma[self.shown] ** 2))
+        campaign = with_reflectors(self.problem.campaign, links)
+        return replace(
+            self,
+            problem=replace(self.problem, campaign=campaign),
+            sigma=np.append(self.sigma, np.full(len(links), own)),
+            shown=np.append(self.shown, np.ones(len(links), dtype=bool)),
+            places=np.concatenate([self.places, *(place_of(arm, link)[None] for link in links)]),
+            further=len(links),
+        )
+
+    @property
+    def known_places(self) -> Array:
+        """(T, 3) [m] of the targets, NaN of those that are still to be put on: where, is not the plan's."""
+        known = np.arange(len(self.places)) < len(self.places) - self.further
+        return np.where(known[:, None], self.places, np.nan)
 
     @property
     def mountable(self) -> NDArray[np.int64]:

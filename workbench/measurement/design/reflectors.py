@@ -1,0 +1,37 @@
+"""Reflectors on the arm or its base that settle what those on the flange leave open."""
+
+from __future__ import annotations
+
+from ...effects import shown_on
+from .offers import Offers, Poses, settled
+from .ties import Tie
+
+MOST = 3  # links that get one, at most
+FEWER = 1.5  # times fewer poses with them than without, or with more of them: worth putting them on
+
+
+def settled_by_reflectors(
+    offers: Offers, tie: Tie, heard: Tie, without: Poses | None
+) -> tuple[list[str], Poses] | None:
+    """Links, or "base", on which a reflector more settles a tie, and the poses that do: one link where that
+    is nearly as good as several. None where all on which the cause or its rivals sit do not, in clearly fewer
+    poses than `without` them, or where the instrument sees one body alone. heard: the tie as far as it is
+    worth a word."""
+    problem, fit = offers.prior.problem, offers.prior.fit
+    arm = problem.arm
+    places = dict.fromkeys(shown_on(effect, arm) for effect in (tie.effect, *heard.rivals))
+    links = [link for link in places if link is not None and arm.slot_of_link(link) < arm.n][:MOST]
+    if not links or problem.campaign.six_dof:
+        return None
+    every = settled(offers.with_reflectors(links), [tie], fit)
+    if every is None or (without is not None and FEWER * every.count > without.count):
+        return None
+    alone = (
+        []
+        if len(links) == 1
+        else [([link], settled(offers.with_reflectors([link]), [tie], fit)) for link in links]
+    )
+    found = [
+        (some, poses) for some, poses in alone if poses is not None and poses.count <= FEWER * every.count
+    ]
+    return min(found, key=lambda one: one[1].count, default=(links, every))
