@@ -11,8 +11,9 @@ from held_still import hold
 from pydantic import ValidationError
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
+from workbench import parse_effect, problem, stored
 from workbench.correction.command import compensate
-from workbench.correction.conditions import Conditions
+from workbench.correction.conditions import Conditions, path_campaign
 from workbench.correction.path_shapes import Run, circle, line, work_frame
 from workbench.correction.paths import Path
 from workbench.effects.backlash import Backlash
@@ -406,6 +407,42 @@ def test_verify_says_where_a_limit_stops_it():
     path = line(0.1, Run(work_frame((1.6, 0.3, 0.9), along=(0.0, 1.0, 0.0)), speed=0.1, period=0.02))
     with pytest.raises(InputError, match=r"line, .* s after its start.*joint_1 needs a speed of .* over"):
         verify(path, slow, slow, speeds=None, repeats=0)
+
+
+def test_speeds_that_a_drive_does_not_bear_are_told_and_the_slower_ones_kept():
+    """Stopped or saturated: of a note that only one speed has it says which."""
+    robot = load_robot("kr500")
+    joints = (replace(robot.joints[0], velocity=0.03), *robot.joints[1:])
+    slow = replace(robot, joints=joints, path=robot.path)
+    path = line(0.04, Run(work_frame((1.6, 0.3, 0.9), along=(0.0, 1.0, 0.0)), speed=0.1, period=0.02))
+    stopped = verify(path, slow, slow, speeds=[0.02, 0.1], repeats=0)
+    assert [series.speed for series in stopped.series] == pytest.approx([0.02])
+    assert any(re.match(r"not run at 0\.1 m/s: joint_1 needs a speed of", note) for note in stopped.notes)
+    cut = verify(path, slow, slow, speeds=[0.02, 0.1], repeats=0, on_limit="saturate")
+    assert len(cut.series) == 2
+    assert any(note.startswith("at 0.1 m/s: joint_1: speed saturated") for note in cut.notes)
+
+
+def test_no_gains_for_what_is_asked_is_the_calls_fault():
+    robot = load_robot("kr500")
+    path = line(0.04, Run(work_frame((1.6, 0.3, 0.9), along=(0.0, 1.0, 0.0)), speed=0.1, period=0.02))
+    with pytest.raises(InputError, match="no gains are stable"):
+        verify(path, robot, robot, speeds=None, repeats=0, loop=Loop(position_hz=1e-6))
+
+
+def test_the_controller_is_not_told_what_was_found_of_a_load(tmp_path):
+    """Or it would know the weight in its uncorrected runs too."""
+    robot = load_robot("kr500")
+    q = np.tile([0.0, -1.0, 1.2, 0.0, 0.5, 0.0], (3, 1))
+    path = Path(np.arange(3.0), q=q)
+    of_path = problem(path_campaign(robot, path, q, HEAVY))
+    heavier, values = parse_effect("payload:payload=heavy,mass=40", of_path)
+    found = stored(tmp_path / "heavier.toml", robot, [record(heavier, values)])
+    truth = mechanics(found, path, q, HEAVY)
+    assert truth.mass == pytest.approx(290.0)
+    nominal = nominal_mechanics(found, truth)
+    assert nominal.mass == pytest.approx(250.0)
+    assert nominal.moment == pytest.approx(250.0 * np.array(HEAVY.payload_com))
 
 
 def test_a_limit_below_the_weight_is_mended_in_the_urdf():

@@ -66,6 +66,17 @@ def test_a_square_stays_one_however_many_rows_it_has(each):
     assert np.median(off) < 1e-6
 
 
+def test_waves_shorter_than_the_rows_are_apart_are_seen_between_them():
+    """Rows are where a gear is corrected: judged there alone it would err nowhere."""
+    path = path_over(CENTRE + np.linspace([-0.05, 0, 0], [0.05, 0, 0], 5))
+    q = nominal_joints(ROBOT, path)
+    assert len(over(path).leg) == 5
+    way = way_of(ROBOT, path, path.X, q, None, [(1, 200.0)])
+    cycles = 200 * np.abs(np.diff(way.command(q)[:, 1])) / (2 * np.pi)
+    assert cycles.max() <= 1.01 / 8
+    assert len(way_of(ROBOT, path, path.X, q, None, [(1, 1.0)]).leg) == 5
+
+
 def test_rows_on_a_circle_are_no_polygon():
     """Straight from row to row it would be 0.07 mm inside."""
     path = circle(61)

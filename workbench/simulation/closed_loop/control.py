@@ -65,7 +65,10 @@ def inertial_torque(nominal: Mechanics, q: Array, v: Array, a: Array) -> Array:
 
 
 def nominal_mechanics(robot: Robot, truth: Mechanics) -> Mechanics:
-    """What the controller believes: the URDF, rigid, with the stated loads."""
-    arm = arrays(robot)
-    plain = arm.with_geometry(np.zeros_like(arm.geometry))
-    return replace(truth, robot=robot, arm=plain, compensator=compensator_law(robot, arm), gear=(), gives=())
+    """What the controller believes: the URDF, rigid, with the stated loads: nobody tells it what a diagnosis
+    found of them."""
+    arm, (mass, moment) = arrays(robot), truth.stated
+    plain, law = arm.with_geometry(np.zeros_like(arm.geometry)), compensator_law(robot, arm)
+    return replace(
+        truth, robot=robot, arm=plain, mass=mass, moment=moment, compensator=law, gear=(), gives=()
+    )

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from ...robot.loop import Loop
 from .cascade import Cascade, Delay, Gains
@@ -37,7 +38,7 @@ def crossover(loop: Loop) -> float:
 
 
 def gains(mechanics: Mechanics, drive: Drives, loop: Loop, q: Array) -> Gains:
-    """Gains that are stable with their margins along joints q (N, n)."""
+    """Gains that are stable with their margins along joints q (N, n). Raises InputError where none are."""
     most = crossover(loop)
     n = mechanics.arm.n
     asked = np.full((n, 2), 2 * np.pi * loop.position_hz)
@@ -56,7 +57,8 @@ def gains(mechanics: Mechanics, drive: Drives, loop: Loop, q: Array) -> Gains:
             break
         scale[worst] *= SLOWER
     else:
-        raise ArithmeticError("no gains are stable with the margins asked")
+        what = "no gains are stable with the margins and bandwidths asked"
+        raise InputError(Fault("[controller.loop]", what, "ask for other ones: position_hz, velocity_hz"))
     return replace(found, notes=_notes(mechanics, found))
 
 

@@ -67,7 +67,8 @@ class Mechanics:
     placed: (N, S, 6) motions that neither a spring nor the drive makes (temperature, drift, what hangs
     on two joints together, a bearing that tips over).
     mass, moment: tool and payload [kg, kg·m, flange frame]; wrench: (N, 6), torque: (N, n) as `Loads` has
-    them. gear: the effects of the transmission. notes: what had to be assumed.
+    them; stated: mass and moment without what was found of them. gear: the effects of the transmission.
+    notes: what had to be assumed.
     """
 
     robot: Robot
@@ -82,6 +83,7 @@ class Mechanics:
     compensator: CompensatorLaw | None
     gear: Acting
     notes: tuple[str, ...]
+    stated: tuple[float, Array]
 
     def gear_error(self, q: Array, side: Array) -> Array:
         """(K, n) motion of each joint beyond its drive's, at joints q (K, n) reached from `side` (K, n)."""
@@ -124,6 +126,7 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
         loads.compensator,
         gear,
         (*extended.notes, TIPS) if tips else extended.notes,
+        (float(problem.loads.mass.mean()), problem.loads.moment.mean(axis=0)),
     )
 
 

@@ -14,6 +14,7 @@ from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.rotations import angle_between
 from .motion import path_speed
+from .outcomes import orders
 from .runs import World
 from .verification import STILL
 from .ways import SAME, way_of
@@ -38,7 +39,8 @@ class Plans:
         # geometry and the nominal joints are the same at every speed
         self.geometry = self._compensate(self.path, world.belief, "geometry")
         rows, q = self.geometry.X_desired, self.geometry.q_nominal
-        self.way = way_of(world.belief, self.path, rows, q, world.tool)
+        waves = [(joint, order) for _, joint, order in orders(world.truth, world.belief)]
+        self.way = way_of(world.belief, self.path, rows, q, world.tool, waves)
         if self.way.uneven:
             where = self.path.place(self.way.uneven[0])
             more = f", nor on {len(self.way.uneven) - 1} more" if len(self.way.uneven) > 1 else ""

@@ -21,11 +21,11 @@ from .modes import Modes, modes
 from .outcomes import accuracy, orders, trial
 from .plans import Plans
 from .repeatability import repeatability
-from .runs import FEED_FORWARD, FeedForward, Outcome, World, simulate_all
+from .runs import FEED_FORWARD, FeedForward, Outcome, World, simulate_all, simulate_to_limit
 from .simulation import first_step
 from .sweep import swept
 from .tasks import others, repeated, settling
-from .verification import COMMAND_NAMES, Series, Verification
+from .verification import COMMAND_NAMES, Series, Verification, speed_text
 
 SPEEDS = (0.03, 0.3)  # m/s: as slow as Olabi et al. 2012 drew, and ten times as fast
 
@@ -54,7 +54,8 @@ def verify(
     start: (n,) joints near the first pose.
     truth, belief: robots with the corrections and effects of a model.toml; where they are one, the result
     shows what the controller adds, and says so. conditions: what it carries (default: the tool that
-    the belief states). speeds: tool speeds [m/s] to which the path's time is stretched; None: its own.
+    the belief states). speeds: tool speeds [m/s] to which the path's time is stretched; None: its own; from
+    one on at which a drive is over its limit they are left out, if there are slower ones.
     repeats: runs for AT and RT. loop: the controller (default: that of the truth's TOML). feed_forward:
     "elastic" adds a command whose drives lead by what the arm yields under its inertia, "loop" also by what
     the model's own loop lags. on_limit: whether a drive over its limit of torque or speed stops the run, or
@@ -86,7 +87,13 @@ def verify(
     world = replace(world, corners=way.corners)
     extra = FEED_FORWARD[1 : FEED_FORWARD.index(feed_forward) + 1]
     try:
-        settled = simulate_all(world, settling(way.X, timed, commands), workers, progress)
+        settled, over = simulate_to_limit(world, settling(way.X, timed, commands), workers, progress)
+        if over is not None:
+            if not settled:
+                raise over
+            left_out = [speed_text(speed) for _, speed in timed[len(settled) :]]
+            notes.append(f"not run at {', '.join(left_out)}: {over}")
+            timed, commands = timed[: len(settled)], commands[: len(settled)]
         tasks = others(way.X, timed, commands, settled, extra)
         tasks += repeated(truth, tasks[-1], commands[-1], repeats, seed)
         done = simulate_all(world, tasks, workers, progress)
@@ -95,10 +102,11 @@ def verify(
         raise InputError(_over(path, over, truth)) from None
     rest = iter(done)
     p, lines = way.X[:, :3, 3], orders(truth, belief)
-    series = [
-        _series(world, at, own, first, rest, p, lines, extra)
-        for at, own, first in zip(timed, commands, settled, strict=True)
-    ]
+    series, said = list[Series](), list[list[str]]()
+    for at, own, first in zip(timed, commands, settled, strict=True):
+        outcomes = _outcomes(own, first, rest, extra)
+        series.append(_series(world, at, outcomes, p, lines))
+        said.append([*outcomes["corrected"].notes, *outcomes["uncorrected"].notes])
     return Verification(
         robot=truth,
         path=path,
@@ -111,24 +119,34 @@ def verify(
         repeatability=repeatability(truth, plans.geometry.q_nominal),
         modes=_modes(world, timed[0][0], commands[0]["corrected"]),
         sweep=left,
-        notes=tuple(dict.fromkeys([*path.warnings, *notes, *plans.notes, *settled[0].notes, *done[0].notes])),
+        notes=tuple(dict.fromkeys([*path.warnings, *notes, *plans.notes, *_told(series, said)])),
     )
+
+
+def _told(series: Sequence[Series], said: Sequence[Sequence[str]]) -> Iterator[str]:
+    """The notes of the runs at each speed, with the speed where not all have them."""
+    for one, own in zip(series, said, strict=True):
+        for note in own:
+            common = all(note in other for other in said)
+            yield note if common else f"at {speed_text(one.speed)}: {note}"
+
+
+def _outcomes(
+    commands: Mapping[str, Array], corrected: Outcome, rest: Iterator[Outcome], extra: Sequence[str]
+) -> dict[str, Outcome]:
+    """All commands' runs at one speed; of the others than the corrected one they are the next of `rest`."""
+    names = [name for name in (*commands, *extra) if name != "corrected"]
+    return {"corrected": corrected} | {name: next(rest) for name in names}
 
 
 def _series(
     world: World,
     timed: tuple[Path, float],
-    commands: Mapping[str, Array],
-    corrected: Outcome,
-    rest: Iterator[Outcome],
+    outcomes: Mapping[str, Outcome],
     p: Array,
     lines: Sequence[tuple[str, int, float]],
-    extra: Sequence[str],
 ) -> Series:
-    """All commands' runs at one speed; of the others than the corrected one they are the next of `rest`."""
-    path, speed = timed
-    names = [name for name in (*commands, *extra) if name != "corrected"]
-    outcomes = {"corrected": corrected} | {name: next(rest) for name in names}
+    (path, speed), corrected = timed, outcomes["corrected"]
     trials = {name: trial(outcomes[name], p, path.time, lines) for name in COMMAND_NAMES if name in outcomes}
     refined = corrected.step < 0.99 * first_step(world.loop)
     time = corrected.time - corrected.time[0]

@@ -20,7 +20,7 @@ from .drives import drives
 from .elastic import with_elastic_lead
 from .gains import gains
 from .lag import with_loop_lead
-from .limits import OnLimit
+from .limits import OnLimit, OverLimit
 from .mechanics import Mechanics, mechanics
 from .motion import NO_CORNERS, Motion, motion
 from .simulation import Run, first_step, run
@@ -148,15 +148,28 @@ def simulate_all(
 
     progress: is told what each task has `said` as it is done. Raises OverLimit as `simulate` does.
     """
-    out = []
-    if workers < 2:
-        for number, task in enumerate(tasks, 1):
-            progress(f"run {number} of {len(tasks)}: {task.said}")
-            out.append(simulate(world, task))
-        return out
-    with one_thread_each(), borrowed_pool(workers) as pool:
-        waiting = [pool.submit(simulate, world, task) for task in tasks]
-        for number, (task, future) in enumerate(zip(tasks, waiting, strict=True), 1):
-            out.append(future.result())
-            progress(f"run {number} of {len(tasks)} done: {task.said}")
+    out, over = simulate_to_limit(world, tasks, workers, progress)
+    if over is not None:
+        raise over
     return out
+
+
+def simulate_to_limit(
+    world: World, tasks: Sequence[Task], workers: int, progress: Callable[[str], None]
+) -> tuple[list[Outcome], OverLimit | None]:
+    """The same as far as no run stops at a limit, and the first that does."""
+    out = list[Outcome]()
+    try:
+        if workers < 2:
+            for number, task in enumerate(tasks, 1):
+                progress(f"run {number} of {len(tasks)}: {task.said}")
+                out.append(simulate(world, task))
+            return out, None
+        with one_thread_each(), borrowed_pool(workers) as pool:
+            waiting = [pool.submit(simulate, world, task) for task in tasks]
+            for number, (task, future) in enumerate(zip(tasks, waiting, strict=True), 1):
+                out.append(future.result())
+                progress(f"run {number} of {len(tasks)} done: {task.said}")
+    except OverLimit as over:
+        return out, over
+    return out, None

@@ -3,17 +3,20 @@
 A path's rows may be far apart, and a smooth curve through the joints of the corners of a square is no square.
 So a leg that such a curve leaves has samples of its own, and at corners and stops the curve ends: the command
 turns or stands there at once, and its filter rounds that off (`motion`). The legs at a corner are sampled
-finely: there the error is largest. What is corrected are the rows: between them the command is as far from
+finely: there the error is largest; and those on which a gear errs in waves shorter than the rows are apart:
+rows alone would not see these. What is corrected are the rows: between them the command is as far from
 the wanted pose as they are, in proportion.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...correction.command import COARSE
 from ...correction.file import TOLERANCE_MM
 from ...correction.inverse import Tip, newton
 from ...correction.paths import Path
@@ -96,9 +99,11 @@ class Way:
         return np.where((legs | on_row)[:, None], even, joints), ~legs
 
 
-def way_of(robot: Robot, path: Path, X: Array, q: Array, tool: Array | None) -> Way:
+def way_of(
+    robot: Robot, path: Path, X: Array, q: Array, tool: Array | None, waves: Sequence[tuple[int, float]] = ()
+) -> Way:
     """The way over rows with the wanted tool poses X (N, 4, 4), which the nominal arm reaches with joints q
-    (N, n)."""
+    (N, n). waves: joints, from 0, and how often in a turn (in 2π m) each errs."""
     stands = np.linalg.norm(np.diff(X[:, :3, 3], axis=0), axis=1) < SAME
     bends = np.union1d(_corners(X[:, :3, 3]), _stops(stands, X, q))
     round_ = _on_circles(path, X)
@@ -113,6 +118,8 @@ def way_of(robot: Robot, path: Path, X: Array, q: Array, tool: Array | None) -> 
         angle_between(X[:-1, :3, :3], X[1:, :3, :3]) / TURNED,
     )
     size = np.where(far | at_corner, size, 1.0)
+    for joint, order in waves:
+        size = np.maximum(size, COARSE * order / (2 * np.pi) * np.abs(np.diff(q[:, joint])))
     size = np.where(stands, np.maximum(size, STOP * np.diff(path.time) / np.ptp(path.time)), size)
     size *= min(1.0, MOST / size.sum())
     count = np.maximum(np.ceil(size), 1).astype(np.int64)

@@ -51,6 +51,7 @@ def simulated(content: Content, compensator: CompensatorLaw | None) -> Simulated
         compensator=compensator,
         gear=content.acting(GEAR),
         notes=(),
+        stated=content.payload,
     )
     drive = drives(parts, _middle(content), robot.loop)
     return Simulated(machine(parts, drive), gives, drive.assumed)
