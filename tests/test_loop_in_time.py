@@ -430,6 +430,20 @@ def test_no_gains_for_what_is_asked_is_the_calls_fault():
         verify(path, robot, robot, speeds=None, repeats=0, loop=Loop(position_hz=1e-6))
 
 
+def test_gains_may_be_others_than_are_made():
+    """As of drives that somebody tuned worse; beyond what is stable they are refused."""
+    truth, _, _, q = short("kr500")
+    made, less = (
+        gains(truth, drives(truth, q[0], loop), loop, q) for loop in (Loop(), Loop(gain_factor=0.7))
+    )
+    assert all(
+        less.to_json()[name] == pytest.approx(0.7 * getattr(made, name), rel=1e-4)
+        for name in ("kp", "ki", "kv")
+    )
+    with pytest.raises(InputError, match="gain_factor"):
+        gains(truth, drives(truth, q[0], Loop()), Loop(gain_factor=10.0), q)
+
+
 def test_the_controller_is_not_told_what_was_found_of_a_load(tmp_path):
     """Or it would know the weight in its uncorrected runs too."""
     robot = load_robot("kr500")

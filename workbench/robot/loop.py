@@ -32,6 +32,8 @@ class Loop(BaseModel):
     """factor on all drives' gains that the whole arm has to bear"""
     delay_margin: float = Field(default=0.0005, ge=0)
     """more delay [s] that the whole arm has to bear"""
+    gain_factor: float = Field(default=1.0, gt=0, le=10)
+    """on all drives' gains once they are made: of drives that are tuned otherwise"""
     feed_forward_hz: AboveZero = 10.0
     """up to where the arm's inertia is fed forward"""
     friction_known: float = Field(default=0.9, ge=0, le=1.5)

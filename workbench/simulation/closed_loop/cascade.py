@@ -10,7 +10,7 @@ was measured at the same instant: the filter's lag is known, and so is the delay
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, floor
 
@@ -37,6 +37,14 @@ class Gains:
     asked: Array
     reached: Array
     notes: tuple[str, ...] = ()
+
+    def times(self, factor: float) -> Gains:
+        """All of them times a factor."""
+        return replace(self, kp=factor * self.kp, ki=factor * self.ki, kv=factor * self.kv)
+
+    def to_json(self) -> dict[str, list[float]]:
+        """By their names, a number for each joint."""
+        return {name: [float(f"{v:.5g}") for v in getattr(self, name)] for name in ("kp", "ki", "kv")}
 
 
 @dataclass(eq=False)

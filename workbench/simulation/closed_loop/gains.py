@@ -5,7 +5,7 @@ hold, filter and delay take of its phase at the crossover, and the integral, lea
 ω T + atan(ω_i/ω) = 90° − margin. Then the whole arm is put on it: the sampled loop, elastic arm and all
 joints at once, has to stay stable with `gain_margin` times the gains and with `delay_margin` more delay,
 where along the path each drive moves most and least inertia. Where it does not, the joint that moves most in
-the least stable motion is slowed until it does.
+the least stable motion is slowed until it does. `gain_factor` comes last: drives that are tuned otherwise.
 """
 
 from __future__ import annotations
@@ -59,7 +59,11 @@ def gains(mechanics: Mechanics, drive: Drives, loop: Loop, q: Array) -> Gains:
     else:
         what = "no gains are stable with the margins and bandwidths asked"
         raise InputError(Fault("[controller.loop]", what, "ask for other ones: position_hz, velocity_hz"))
-    return replace(found, notes=_notes(mechanics, found))
+    told = found.times(loop.gain_factor)
+    if loop.gain_factor != 1 and any(model.least_stable(told, 1.0, 0.0)[0] > STABLE for model in models):
+        what = f"of {loop.gain_factor:g} leaves no stable loop"
+        raise InputError(Fault("[controller.loop] gain_factor", what, "take one nearer to 1"))
+    return replace(told, notes=_notes(mechanics, found))
 
 
 def _extremes(built: Machine, q: Array) -> tuple[Array, Array]:

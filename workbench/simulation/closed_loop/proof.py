@@ -150,7 +150,7 @@ def _series(
     trials = {name: trial(outcomes[name], p, path.time, lines) for name in COMMAND_NAMES if name in outcomes}
     refined = corrected.step < 0.99 * first_step(world.loop)
     time = corrected.time - corrected.time[0]
-    return Series(speed, time, trials, corrected.step, 1e6 * corrected.change, refined)
+    return Series(speed, time, trials, corrected.step, 1e6 * corrected.change, refined, corrected.gains)
 
 
 def _over(path: Path, over: OverLimit, truth: Robot) -> Fault:

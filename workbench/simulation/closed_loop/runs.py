@@ -15,6 +15,7 @@ from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.loop import Loop
 from ..processes import borrowed_pool, one_thread_each
+from .cascade import Gains
 from .control import nominal_mechanics
 from .drives import drives
 from .elastic import with_elastic_lead
@@ -67,7 +68,8 @@ class Outcome:
     """Poses of the tool (N, 4, 4) and of base and links (N, L, 4, 4), joints (N, n), servo errors (N, n), at
     times (N,) [s].
 
-    step: [s] of the integration; change: how far half of it moves the tool at most [m] (NaN: not tried)."""
+    step: [s] of the integration; change: how far half of it moves the tool at most [m] (NaN: not tried);
+    gains: of the drives."""
 
     time: Array
     tool: Array
@@ -76,7 +78,8 @@ class Outcome:
     motor: Array
     notes: tuple[str, ...]
     step: float
-    change: float = float("nan")
+    change: float
+    gains: Gains
 
 
 def simulate(world: World, task: Task) -> Outcome:
@@ -130,6 +133,7 @@ def simulate(world: World, task: Task) -> Outcome:
         done.notes,
         step,
         change,
+        tuned,
     )
 
 

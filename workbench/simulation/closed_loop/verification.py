@@ -13,6 +13,7 @@ from ...correction.paths import Path
 from ...report.numbers import mm, significant
 from ...robot.description import Robot
 from ...robot.kinematics import Array
+from .cascade import Gains
 from .measures import Figures, Line
 from .modes import Modes
 from .repeatability import Repeatability
@@ -49,7 +50,7 @@ class Series:
     """All variants at one speed [m/s]; time: (N,) [s] when the samples are passed.
 
     step: [s] of the integration; step_change_um: how far half of it moves the corrected tool at most;
-    refined: the step was halved because of that."""
+    refined: the step was halved because of that; gains: of the drives, as the corrected path has them."""
 
     speed: float
     time: Array
@@ -57,6 +58,7 @@ class Series:
     step: float
     step_change_um: float
     refined: bool
+    gains: Gains
 
     @property
     def best(self) -> str:
@@ -177,6 +179,7 @@ class Verification:
                     "step_s": _short(series.step),
                     "step_change_um": _short(series.step_change_um),
                     "refined": series.refined,
+                    "gains": series.gains.to_json(),
                     "commands": {
                         name: {key: _short(value) for key, value in asdict(trial.figures).items()}
                         | {"servo_max": _short(float(np.abs(trial.motor).max()))}
