@@ -231,9 +231,10 @@ def _first_forms(tie: Tie) -> list[Effect]:
 
 
 def _too_large(tie: Tie) -> str:
-    """A word on a size that no cause of its kind has."""
+    """A word on a size that no cause of its kind has, where a person said it: a diagnosis has its
+    probability beside."""
     times = float(np.abs(tie.size).max())
-    if times <= PRIORS.largest:
+    if times <= PRIORS.largest or tie.effect.key in tie.chances:
         return ""
     return (
         f"{label(tie.effect)} is said to be {times:.3g} times its usual size; beyond {PRIORS.largest:g} "
