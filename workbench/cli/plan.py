@@ -215,6 +215,7 @@ def _write(
 ) -> list[Path]:
     """The poses, beside them what goes into a folder, and the programs; nothing over other content silently.
     Raises InputError."""
+    from ..campaign import Campaign
     from ..correction.programs import find_format
     from ..correction.programs.files import is_folder, program_files, put_files
     from ..measurement.driving.files import programs, table_files
@@ -224,7 +225,8 @@ def _write(
     assert made.reach is not None
     keep, folder = not arguments.force, poses.parent
     whole = arguments.out is None or not arguments.out.suffix
-    files = table_files(made.drive, made.reach, folder)
+    before = source.arguments if isinstance(source, Campaign) else ""
+    files = table_files(made.drive, made.reach, folder, before)
     if not whole:
         files = {poses: files[folder / "poses.csv"]}
     if arguments.format:

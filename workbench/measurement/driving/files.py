@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 
@@ -17,12 +18,13 @@ from .reach import Reach
 
 COMMENTS = (
     "A plan of `workbench plan`. Measure it, put what the instrument saw into points.csv (pose_id, target,",
-    "x_mm, y_mm, z_mm), and say `workbench diagnose campaign.toml`.",
+    "x_mm, y_mm, z_mm), and say",
 )
 
 
-def table_files(drive: Drive, reach: Reach, folder: Path) -> dict[Path, bytes]:
-    """`poses.csv` and `campaign.toml` by their paths in the folder, with the robot where it is one's own."""
+def table_files(drive: Drive, reach: Reach, folder: Path, before: str = "") -> dict[Path, bytes]:
+    """`poses.csv` and `campaign.toml` by their paths in the folder, with the robot where it is one's own.
+    before: what was measured already, as a command names it: both are diagnosed together."""
     records = replace(proposed(drive.records, reach), cell=reach.cell)
     blank = np.full_like(records.poses.q, np.nan)  # columns to fill in
     if drive.torque:
@@ -31,13 +33,14 @@ def table_files(drive: Drive, reach: Reach, folder: Path) -> dict[Path, bytes]:
         records = records.with_poses(temperature=blank[:, 0])
     return {
         folder / "poses.csv": poses_text(records).encode(),
-        folder / "campaign.toml": campaign_text(folder, records, comments(drive)).encode(),
+        folder / "campaign.toml": campaign_text(folder, records, comments(drive, folder, before)).encode(),
         **{path: text.encode() for path, text in own_robot(folder, records.robot).items()},
     }
 
 
-def comments(drive: Drive) -> tuple[str, ...]:
+def comments(drive: Drive, folder: Path, before: str) -> tuple[str, ...]:
     """What a `campaign.toml` says of how it is measured, and which columns are planned only."""
+    measured = " ".join(filter(None, (before, quote(str(folder / "campaign.toml")))))
     poses = drive.records.poses
     planned = ["t_s (when)"]
     planned += [] if poses.temperature is None else ["temp_degC (how warm the arm was)"]
@@ -45,6 +48,7 @@ def comments(drive: Drive) -> tuple[str, ...]:
     columns = ", ".join(planned)
     return (
         *COMMENTS,
+        f"  workbench diagnose {measured}",
         f"Planned, not measured, in poses.csv: {columns}. Put in what was so, or take the column out.",
         drive.measured,
         *drive.block_lines,
