@@ -337,7 +337,7 @@ def test_pull_and_warmth_are_told_wherever_the_plan_is(cell: Reach) -> None:
     blocks = made.to_json()["blocks"]
     assert [block["wrench"][1] for block in blocks] == [0, 500, 0]
     assert [block["temp_degC"] for block in blocks] == [20, 20, 30]
-    head = "\n".join(comments(made))
+    head = "\n".join(comments(made, Path("plan"), ""))
     assert "temp_degC" in head
     assert "fx_N" in head
     for name in ("rapid", "ls"):

@@ -151,7 +151,8 @@ def test_one_tie_has_one_lambda(open_tie, tmp_path):
     told.write_text(json.dumps(written))
     (cause,) = (one for one in written["causes"] if one["status"] == "ambiguous")
     offered = next(one for one in cause["decide"] if one["command"])
-    assert cause["separate_by"] == {**offered, "advice": finding.separate_by}  # words and command are of one
+    advice = finding.separate_by or offered["words"]  # words and command are of one
+    assert cause["separate_by"] == {**offered, "advice": advice}
     assert all(one["separate_by"] is None for one in written["causes"] if one["status"] == "named")
     tell = shlex.split(way.command)[shlex.split(way.command).index("--tell") + 1]
     for text in (tell, str(told)):

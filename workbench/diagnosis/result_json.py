@@ -143,12 +143,13 @@ def _rival(rival: Rival) -> dict[str, Any]:
 def _separate_by(finding: Finding) -> dict[str, Any] | None:
     """What would decide: of what can be run the first, its words beside its command (the others: `decide`);
     in words alone where nothing can be run. `advice`: what such causes are told apart by in general."""
-    if finding.separate_by is None:
+    words = finding.separate_by or next((one.words for one in finding.decide), None)
+    if words is None:
         return None
-    said = {"kind": None, "words": finding.separate_by, "command": None, "poses": None}
+    said = {"kind": None, "words": words, "command": None, "poses": None}
     said |= {"lambda_before": None, "lambda_after": None}
     ready = said if finding.ready is None else _decision(finding.ready)
-    return {**ready, "advice": finding.separate_by}
+    return {**ready, "advice": words}
 
 
 def _decision(one: Decision) -> dict[str, Any]:

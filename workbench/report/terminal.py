@@ -87,8 +87,8 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             rivals = ", ".join(f"{cause} ({at})" if at else cause for cause, at in said)
             word = "may be" if finding.cause == UNKNOWN else "fits as well"
             lines.append(f"{INDENT}{word}: {rivals}")
-        if finding.separate_by:
-            lines.append(f"{INDENT}to decide: {finding.separate_by}")
+        if finding.separate_by or finding.decide:
+            lines.append(f"{INDENT}to decide: {finding.separate_by or ''}".rstrip())
         lines += _ways(finding, diagnosis, folder)
     lines += [f"  {fact.sentence}" for fact in diagnosis.given]
     lines += [f"  {line}" for line in fault_lines(diagnosis.faults, "data fault")]

@@ -81,13 +81,14 @@ def _decided(outcome: Outcome, told: Sequence[tuple[Finding, Tie]]) -> Outcome:
     alone = [_decisions(tie, _heard(tie, f), offers) for f, tie in told]
     at_once = _at_once([tie for _, tie in told], alone, offers)
     found = {id(f): (*more, *own) for (f, _), more, own in zip(told, at_once, alone, strict=True)}
-    causes = tuple(
-        replace(f, decide=found[id(f)], separate_by=without_reflectors(f.separate_by or "") or OTHERWISE)
-        if id(f) in found
-        else f
-        for f in outcome.diagnosis.causes
-    )
+    causes = tuple(_worked_out(f, found[id(f)]) if id(f) in found else f for f in outcome.diagnosis.causes)
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
+
+
+def _worked_out(finding: Finding, decide: tuple[Decision, ...]) -> Finding:
+    """A finding with what would decide; of general advice what was worked out goes."""
+    advice = without_reflectors(finding.separate_by or "")
+    return replace(finding, decide=decide, separate_by=advice or (None if decide else OTHERWISE))
 
 
 def _heard(tie: Tie, finding: Finding) -> Tie:
