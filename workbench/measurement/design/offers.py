@@ -9,6 +9,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...campaign import Campaign
+from ...campaign.reflectors import with_reflectors
 from ...effects import Key
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
@@ -54,16 +55,10 @@ class Offers:
 
     def with_reflectors(self, links: Sequence[str]) -> DesignSpace:
         """The records with a target more on each of these links."""
-        prior = self.prior.with_reflectors(links)
-        more = prior.problem.campaign.targets[-len(links) :]
-        own, n = self.records, len(self.records.poses)
-        records = replace(
-            own,
-            targets=(*own.targets, *more),
-            points=np.full((n, len(own.targets) + len(more), 3), np.nan),
-            shots=np.zeros((n, len(own.targets) + len(more)), dtype=np.int64),
+        records = with_reflectors(self.records, links)
+        return design_space(
+            self.prior.with_reflectors(links).of_records(records, self.effects), self.measured
         )
-        return design_space(prior.of_records(records, self.effects), self.measured)
 
     @property
     def _torques_tell(self) -> bool:

@@ -15,23 +15,21 @@ def settled_by_reflectors(
 ) -> tuple[list[str], Poses] | None:
     """Links, or "base", on which a reflector more settles a tie, and the poses that do: one link where that
     is nearly as good as several. None where all on which the cause or its rivals sit do not, in clearly fewer
-    poses than `without` them, or where the instrument sees one body alone. heard: the tie as far as it is
-    worth a word."""
+    poses than `without` them, where these have one already, or where the instrument sees one body alone.
+    heard: the tie as far as it is worth a word."""
     problem, fit = offers.prior.problem, offers.prior.fit
-    arm = problem.arm
+    arm, had = problem.arm, {target.on for target in offers.records.targets}
     places = dict.fromkeys(shown_on(effect, arm) for effect in (tie.effect, *heard.rivals))
-    links = [link for link in places if link is not None and arm.slot_of_link(link) < arm.n][:MOST]
+    further = [link for link in places if link is not None and link not in had]
+    links = [link for link in further if arm.slot_of_link(link) < arm.n][:MOST]  # the last carries the flange
     if not links or problem.campaign.six_dof:
         return None
     every = settled(offers.with_reflectors(links), [tie], fit)
     if every is None or (without is not None and FEWER * every.count > without.count):
         return None
-    alone = (
-        []
-        if len(links) == 1
-        else [([link], settled(offers.with_reflectors([link]), [tie], fit)) for link in links]
-    )
-    found = [
-        (some, poses) for some, poses in alone if poses is not None and poses.count <= FEWER * every.count
-    ]
+    found = list[tuple[list[str], Poses]]()
+    for link in links if len(links) > 1 else []:
+        alone = settled(offers.with_reflectors([link]), [tie], fit)
+        if alone is not None and alone.count <= FEWER * every.count:
+            found.append(([link], alone))
     return min(found, key=lambda one: one[1].count, default=(links, every))
