@@ -25,7 +25,7 @@ from ...identification.fit import Fit
 from ..driving.block import torque_columns
 from .causes import CHANCE
 from .discrimination_plan import MOST_MEASURED
-from .offers import POSES, Offers, Poses, settled
+from .offers import POSES, Offers, Poses, roughly_settled, settled
 from .prior_information import from_prepared
 from .reflectors import settled_by_reflectors
 from .shown import with_hope
@@ -200,16 +200,15 @@ def _told_by_poses(offers: Offers, tie: Tie, heard: Tie, tell: str) -> list[Deci
     told, untold = (
         list(dict.fromkeys(_said(one) for one in some if one.key in worth)) for some in (rest.rivals, gone)
     )
-    poses = settled(space, [rest], offers.prior.fit) if told else None
+    poses = roughly_settled(space, rest, offers.prior.fit) if told else None
     if poses is None:
         return []
-    about = "about " if poses.data is None else ""
-    words = f"{about}{poses.count} more poses, chosen for it: they tell {_said(tie.effect)} from "
+    words = f"about {poses.count} more poses, chosen for it: they tell {_said(tie.effect)} from "
     words += listed(told) + (f", but not from {listed(untold)}" if untold else "")
     command = f"workbench plan {offers.prior.problem.campaign.arguments} --tell {tell}"
     command += f" --poses {poses.count} --out follow-up"
     now = least(space, space.before, rest)
-    return [Decision("some_rivals", words, command, poses.count, now, poses.after(rest))]
+    return [Decision("some_rivals", words, command, poses.count, now, None)]
 
 
 def _by_reflectors(offers: Offers, tie: Tie, heard: Tie, tell: str, without: Poses | None) -> list[Decision]:
@@ -220,13 +219,12 @@ def _by_reflectors(offers: Offers, tie: Tie, heard: Tie, tell: str, without: Pos
     links, poses = found
     on = listed(["the base" if link == "base" else f"{link} near its joint" for link in links])
     words = f"a reflector on {on}" if len(links) == 1 else f"reflectors on {on}"
-    about = "about " if poses.data is None else ""
-    words += f", measured beside the others at {about}{poses.count} more poses, chosen for it"
+    words += f", measured beside the others at about {poses.count} more poses, chosen for it"
     options = "".join(f" --reflector {quote(link)}" for link in links)
     command = f"workbench plan {offers.prior.problem.campaign.arguments} --tell {tell}{options}"
     command += f" --poses {poses.count} --out follow-up"
     now = least(poses.space, poses.space.before, tie)
-    return [Decision("reflectors", words, command, poses.count, now, poses.after(tie))]
+    return [Decision("reflectors", words, command, poses.count, now, None)]
 
 
 def _told_by_torque(offers: Offers, tie: Tie, columns: str) -> list[str]:

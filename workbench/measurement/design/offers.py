@@ -106,6 +106,16 @@ class Poses:
         return replace(self, count=max(self.count, count))
 
 
+def roughly_settled(space: DesignSpace, tie: Tie, fit: Fit | None) -> Poses | None:
+    """Poses on offer, as they come, that settle a tie: more than chosen ones, and found at once."""
+    if not with_shown(space, tie, fit).rivals:
+        return None
+    needed = Settling(space, [tie]).needed(np.arange(len(space.rows)))
+    if needed is None or POSES.margin * needed > MOST_MEASURED:
+        return None
+    return Poses(10 * int(np.ceil(max(POSES.fewest, POSES.margin * needed) / 10)), space, None)
+
+
 def settled(space: DesignSpace, ties: Sequence[Tie], fit: Fit | None) -> Poses | None:
     """Poses that settle all ties; None where it takes more than anyone measures, or none shows a rival."""
     if not all(with_shown(space, tie, fit).rivals for tie in ties):

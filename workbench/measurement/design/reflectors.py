@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...effects import shown_on
-from .offers import Offers, Poses, settled
+from .offers import Offers, Poses, roughly_settled
 from .ties import Tie
 
 MOST = 3  # links that get one, at most
@@ -24,12 +24,11 @@ def settled_by_reflectors(
     links = [link for link in further if arm.slot_of_link(link) < arm.n][:MOST]  # the last carries the flange
     if not links or problem.campaign.six_dof:
         return None
-    every = settled(offers.with_reflectors(links), [tie], fit)
-    if every is None or (without is not None and FEWER * every.count > without.count):
-        return None
-    found = list[tuple[list[str], Poses]]()
-    for link in links if len(links) > 1 else []:
-        alone = settled(offers.with_reflectors([link]), [tie], fit)
-        if alone is not None and alone.count <= FEWER * every.count:
-            found.append(([link], alone))
-    return min(found, key=lambda one: one[1].count, default=(links, every))
+    found: list[tuple[list[str], Poses]] = []
+    for some in [links] if len(links) == 1 else [links, *([link] for link in links)]:
+        poses = roughly_settled(offers.with_reflectors(some), tie, fit)
+        if poses is not None and (without is None or FEWER * poses.count <= without.count):
+            found.append((some, poses))
+        elif some is links:
+            return None  # nor do fewer
+    return min(found, key=lambda one: FEWER * one[1].count if len(one[0]) > 1 else one[1].count)

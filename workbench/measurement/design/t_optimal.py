@@ -71,6 +71,11 @@ class DesignSpace:
         """(P, P) information of the campaign and of all candidates."""
         return self.before + information(self.rows)
 
+    @cached_property
+    def left_of_everything(self) -> Array:
+        """`left` of the campaign and of all candidates."""
+        return self.left(self.everything)
+
     def left(self, data: Array) -> Array:
         """(g, g) information on the effects that frames, targets and geometry leave (Schur complement)."""
         b = self.background

@@ -258,7 +258,7 @@ def contains(space: DesignSpace, whole: Effect, part: Effect) -> bool:
     j, i = (space.columns(effect) - space.background for effect in (whole, part))
     if len(j) <= len(i):
         return False
-    left = space.left(space.everything)
+    left = space.left_of_everything
     beside = [unexplained(left, i, j, one, WIDE**-2) for one in np.eye(len(i))]
     return sum(beside) < INSIDE * float(np.trace(left[np.ix_(i, i)]))
 
