@@ -29,6 +29,7 @@ from workbench.report.study import Box, Section, Study, Table, Tile
 from workbench.report.study_page import index, said_of
 from workbench.report.study_page import page as study_page
 from workbench.robot.description import load_robot
+from workbench.simulation.closed_loop.cascade import Gains
 from workbench.simulation.closed_loop.measures import Line, figures
 from workbench.simulation.closed_loop.modes import Modes
 from workbench.simulation.closed_loop.page import page as proof_page
@@ -118,12 +119,14 @@ def proof_of(text: str) -> Verification:
                     figures(k * error, k * error, k * error[:, 2], t), lines)
         for name, k in (("uncorrected", 9.0), ("corrected", 1.0))
     }  # fmt: skip
+    some, two = np.ones(6), np.ones((6, 2))
+    gains = Gains(some, some, some, two, two)
     return Verification(
         robot=replace(load_robot("kr500"), title=text),
         path=ToolPath(t, q=np.zeros((50, 6)), title=text),
         X=np.tile(np.eye(4), (50, 1, 1)),
         normal=np.array([0.0, 0.0, 1.0]),
-        series=(Series(0.05, t, trials, 5e-4, 0.01, refined=True),),
+        series=(Series(0.05, t, trials, 5e-4, 0.01, refined=True, gains=gains),),
         repeats=(Repeats("corrected", 2, 0.05, 0.1, None),),
         expected_mm=0.01,
         same=False,
