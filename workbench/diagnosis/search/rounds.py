@@ -44,6 +44,7 @@ LOOSE = 30.0  # usual sizes: a prior that holds nothing
 MOST_SCATTERING = 2  # joints that are looked at for functions of two others
 LIKELIER = 3.0  # log evidence, twenty times: what a search from elsewhere has to find more
 BY_CHANCE = 0.05  # of as much by a function that does nothing: what wanders so little hides in no scatter
+FEWEST = 10  # poses among which something that wanders in time is looked for
 LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 
 
@@ -113,7 +114,8 @@ def converged(
     if not enough_for_halves(geometry.model.problem) and beyond_all(begun, stated).any():
         alone = _converged(geometry, Begun(geometry), candidates, noise_dof, noise_known, scatters=False)
         found = max(found, alone, key=lambda one: one.evidence(stated))
-    for wandering in ways_to_wander(geometry.model.problem, candidates):
+    enough = len(geometry.model.problem.q) >= FEWEST
+    for wandering in ways_to_wander(geometry.model.problem, candidates) if enough else []:
         if chance_of(begun, wandering) > BY_CHANCE:
             continue
         less = _begun(geometry, [*sided, wandering])
