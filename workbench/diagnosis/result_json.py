@@ -142,7 +142,8 @@ def _rival(rival: Rival) -> dict[str, Any]:
 
 def _separate_by(finding: Finding) -> dict[str, Any] | None:
     """What would decide: of what can be run the first, its words beside its command (the others: `decide`);
-    in words alone where nothing can be run. `advice`: what such causes are told apart by in general."""
+    in words alone where nothing can be run. `advice`: what such causes are told apart by in general, or the
+    first of what would decide where that is all."""
     words = finding.separate_by or next((one.words for one in finding.decide), None)
     if words is None:
         return None

@@ -101,21 +101,21 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
     """Poses; the torques beside them where poses alone are too many; readings; else what the causes say.
     heard: the tie as far as it is worth a word."""
     problem, space = offers.prior.problem, offers.space
-    source, tell = problem.campaign.arguments, quote(command_text(tie))
+    tell = quote(command_text(tie))
     now = least(space, space.before, tie)
     found: list[Decision] = []
     poses = settled(space, [tie], offers.prior.fit)
     if poses is not None:
         about = "about " if poses.data is None else ""
         words = f"{about}{poses.count} more poses, chosen for it"
-        command = f"workbench plan {source} --tell {tell} --poses {poses.count} --out follow-up"
+        command = _plan_command(problem, tell, poses.count)
         found.append(Decision("poses", words, command, poses.count, now, poses.after(tie)))
     torque = _settled_by_torque(offers, tie)
     columns = torque_columns(problem.robot)
     if torque is not None and (poses is None or torque[0] < poses.count):
         count, after = torque
         words = f"record the torques of the drives (columns {columns}) at {count} more poses"
-        command = f"workbench plan {source} --tell {tell} --poses {count} --torque --out follow-up"
+        command = _plan_command(problem, tell, count, " --torque")
         found.append(Decision("drive_torque", words, command, count, now, after))
     if poses is None and torque is None:
         found += _told_by_poses(offers, tie, heard, tell)
@@ -133,6 +133,12 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
         others += filter(None, (without_reflectors(words) for words in said if words))
     found += [Decision("other", words, None, None, now, None) for words in dict.fromkeys(others)]
     return tuple(found)
+
+
+def _plan_command(problem: Problem, tell: str, count: int, options: str = "") -> str:
+    """The plan of so many poses for a tie, as a command. tell: it, as `--tell` takes it, quoted."""
+    asked = f"--tell {tell} --poses {count}{options}"
+    return f"workbench plan {problem.campaign.arguments} {asked} --out follow-up"
 
 
 def _at_once(
@@ -166,8 +172,7 @@ def _said_at_once(poses: Poses, ties: Sequence[Tie], offers: Offers) -> dict[Tie
     """What poses that settle ties at once are to each of them."""
     problem, torque = offers.prior.problem, poses.space is not offers.space
     tell = quote(";".join(map(command_text, ties)))
-    options = f"--poses {poses.count}{' --torque' * torque} --out follow-up"
-    command = f"workbench plan {problem.campaign.arguments} --tell {tell} {options}"
+    command = _plan_command(problem, tell, poses.count, " --torque" * torque)
     words = f"{poses.count} more poses"
     if torque:
         columns = torque_columns(problem.robot)
@@ -205,8 +210,7 @@ def _told_by_poses(offers: Offers, tie: Tie, heard: Tie, tell: str) -> list[Deci
         return []
     words = f"about {poses.count} more poses, chosen for it: they tell {_said(tie.effect)} from "
     words += listed(told) + (f", but not from {listed(untold)}" if untold else "")
-    command = f"workbench plan {offers.prior.problem.campaign.arguments} --tell {tell}"
-    command += f" --poses {poses.count} --out follow-up"
+    command = _plan_command(offers.prior.problem, tell, poses.count)
     now = least(space, space.before, rest)
     return [Decision("some_rivals", words, command, poses.count, now, None)]
 
@@ -221,8 +225,7 @@ def _by_reflectors(offers: Offers, tie: Tie, heard: Tie, tell: str, without: Pos
     words = f"a reflector on {on}" if len(links) == 1 else f"reflectors on {on}"
     words += f", measured beside the others at about {poses.count} more poses, chosen for it"
     options = "".join(f" --reflector {quote(link)}" for link in links)
-    command = f"workbench plan {offers.prior.problem.campaign.arguments} --tell {tell}{options}"
-    command += f" --poses {poses.count} --out follow-up"
+    command = _plan_command(offers.prior.problem, tell, poses.count, options)
     now = least(poses.space, poses.space.before, tie)
     return [Decision("reflectors", words, command, poses.count, now, None)]
 

@@ -21,7 +21,7 @@ from .modes import Modes, modes
 from .outcomes import accuracy, orders, trial
 from .plans import Plans
 from .repeatability import repeatability
-from .runs import FEED_FORWARD, FeedForward, Outcome, World, simulate_all, simulate_to_limit
+from .runs import FEED_FORWARD, FeedForward, Outcome, Task, World, simulate_all, simulate_to_limit
 from .simulation import first_step
 from .sweep import swept
 from .tasks import others, repeated, settling
@@ -87,13 +87,8 @@ def verify(
     world = replace(world, corners=way.corners)
     extra = FEED_FORWARD[1 : FEED_FORWARD.index(feed_forward) + 1]
     try:
-        settled, over = simulate_to_limit(world, settling(way.X, timed, commands), workers, progress)
-        if over is not None:
-            if not settled:
-                raise over
-            left_out = [speed_text(speed) for _, speed in timed[len(settled) :]]
-            notes.append(f"not run at {', '.join(left_out)}: {over}")
-            timed, commands = timed[: len(settled)], commands[: len(settled)]
+        settled, left_out = _settled(world, settling(way.X, timed, commands), timed, workers, progress)
+        timed, commands = timed[: len(settled)], commands[: len(settled)]
         tasks = others(way.X, timed, commands, settled, extra)
         tasks += repeated(truth, tasks[-1], commands[-1], repeats, seed)
         done = simulate_all(world, tasks, workers, progress)
@@ -119,8 +114,26 @@ def verify(
         repeatability=repeatability(truth, plans.geometry.q_nominal),
         modes=_modes(world, timed[0][0], commands[0]["corrected"]),
         sweep=left,
-        notes=tuple(dict.fromkeys([*path.warnings, *notes, *plans.notes, *_told(series, said)])),
+        notes=tuple(dict.fromkeys([*path.warnings, *notes, *left_out, *plans.notes, *_told(series, said)])),
     )
+
+
+def _settled(
+    world: World,
+    tasks: Sequence[Task],
+    timed: Sequence[tuple[Path, float]],
+    workers: int,
+    progress: Callable[[str], None],
+) -> tuple[list[Outcome], list[str]]:
+    """Runs at all speeds up to the first at which a drive is over its limit, and a note on those left out.
+    Raises OverLimit where that is the slowest."""
+    done, over = simulate_to_limit(world, tasks, workers, progress)
+    if over is None:
+        return done, []
+    if not done:
+        raise over
+    speeds = ", ".join(speed_text(speed) for _, speed in timed[len(done) :])
+    return done, [f"not run at {speeds}: {over}"]
 
 
 def _told(series: Sequence[Series], said: Sequence[Sequence[str]]) -> Iterator[str]:

@@ -168,12 +168,12 @@ def simulate_to_limit(
             for number, task in enumerate(tasks, 1):
                 progress(f"run {number} of {len(tasks)}: {task.said}")
                 out.append(simulate(world, task))
-            return out, None
-        with one_thread_each(), borrowed_pool(workers) as pool:
-            waiting = [pool.submit(simulate, world, task) for task in tasks]
-            for number, (task, future) in enumerate(zip(tasks, waiting, strict=True), 1):
-                out.append(future.result())
-                progress(f"run {number} of {len(tasks)} done: {task.said}")
+        else:
+            with one_thread_each(), borrowed_pool(workers) as pool:
+                waiting = [pool.submit(simulate, world, task) for task in tasks]
+                for number, (task, future) in enumerate(zip(tasks, waiting, strict=True), 1):
+                    out.append(future.result())
+                    progress(f"run {number} of {len(tasks)} done: {task.said}")
     except OverLimit as over:
         return out, over
     return out, None
