@@ -14,8 +14,8 @@ import numpy as np
 from workbench import Campaign, Model, fit, load_robot, predict, problem_of
 from workbench import write_fit as write_model
 from workbench.correction.extended_arm import extended_arm
+from workbench.diagnosis.found import Noise
 from workbench.diagnosis.noise.noise_choice import provisional
-from workbench.diagnosis.result import Noise
 from workbench.diagnosis.run import Outcome
 from workbench.identification.fit import Fit
 from workbench.identification.prediction import ToolErrors

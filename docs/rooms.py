@@ -59,14 +59,13 @@ def imports(nodes: list[ast.AST], package: list[str], known: set[str]) -> Iterat
 
 
 @cache
-def uses(*, at_import: bool = False) -> dict[str, set[str]]:
-    """Module → the modules it imports; `at_import`: only those that its own import brings in."""
+def uses() -> dict[str, set[str]]:
+    """Module → the modules it imports, in a function and for types too."""
     everything = modules()
     found = {}
     for name, (path, tree) in everything.items():
         package = name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
-        nodes: list[ast.AST] = list(tree.body) if at_import else list(ast.walk(tree))
-        found[name] = set(imports(nodes, package, set(everything))) - {name}
+        found[name] = set(imports(list(ast.walk(tree)), package, set(everything))) - {name}
     return found
 
 

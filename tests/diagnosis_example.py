@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.diagnosis.result import (
+from workbench.diagnosis.found import (
     Decision,
     Detectable,
-    Diagnosis,
     Evidence,
     FaultFound,
     Finding,
@@ -23,6 +22,7 @@ from workbench.diagnosis.result import (
     Stage,
     TestFigures,
 )
+from workbench.diagnosis.result import Diagnosis
 from workbench.effects.place import Parameter, Where
 from workbench.robot.description import load_robot
 from workbench.robot.rigid_plant import rigid_twin

@@ -9,8 +9,8 @@ import pytest
 
 from workbench import load_robot, planned, problem
 from workbench.campaign.problem import problem_of
+from workbench.diagnosis.found import Rival
 from workbench.diagnosis.priors import PRIORS, varied
-from workbench.diagnosis.result import Rival
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.weighing.gram import Stored
 from workbench.diagnosis.weighing.reduced import Reduced

@@ -33,8 +33,9 @@ from workbench.diagnosis.changes.courses import courses
 from workbench.diagnosis.changes.covered import carried, carried_change, covered
 from workbench.diagnosis.changes.decision import _able, decide
 from workbench.diagnosis.changes.findings import _rivals, of_robot
+from workbench.diagnosis.changes.found import Change, Rival, TargetMoved, TargetsMoved
 from workbench.diagnosis.changes.occasions import occasions_of
-from workbench.diagnosis.changes.result import Change, Comparison, Rival, TargetMoved, TargetsMoved
+from workbench.diagnosis.changes.result import Comparison
 from workbench.diagnosis.changes.system import (
     PARTS,
     System,

@@ -26,7 +26,7 @@ from workbench.diagnosis.changes.beside import how_sure
 from workbench.diagnosis.changes.candidates import Shape
 from workbench.diagnosis.changes.coherence import neighbours
 from workbench.diagnosis.changes.decision import Instead, _told
-from workbench.diagnosis.changes.result import BACK, CREEP, Change
+from workbench.diagnosis.changes.found import BACK, CREEP, Change
 from workbench.diagnosis.changes.steadiness import GROUP, unsteady
 from workbench.diagnosis.changes.system import solve
 from workbench.diagnosis.changes.words import headline

@@ -27,7 +27,8 @@ from workbench.campaign.other_tools import with_tools_as_loads
 from workbench.cli.main import main
 from workbench.diagnosis.changes.elsewhere import _elsewhere
 from workbench.diagnosis.changes.findings import of_robot, stood_still
-from workbench.diagnosis.changes.result import Comparison, TargetMoved, TargetsMoved
+from workbench.diagnosis.changes.found import TargetMoved, TargetsMoved
+from workbench.diagnosis.changes.result import Comparison
 from workbench.diagnosis.changes.targets import _may_be_warm
 from workbench.diagnosis.changes.words import headline
 from workbench.effects.place import Where

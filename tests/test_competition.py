@@ -11,8 +11,8 @@ from scipy.stats import chi2, norm
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis import prepared as preparation
 from workbench.diagnosis.candidates import testable as candidates_of
+from workbench.diagnosis.found import NAMELESS
 from workbench.diagnosis.priors import PRIORS
-from workbench.diagnosis.result import NAMELESS
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.search import rounds
 from workbench.diagnosis.search.competition import compete

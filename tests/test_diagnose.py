@@ -10,7 +10,8 @@ from diagnosis_cases import SIGMA, assert_slopes, found, measured, named, robot,
 
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.result import Detectable, Diagnosis, FaultFound, Finding, Rival, Stage
+from workbench.diagnosis.found import Detectable, FaultFound, Finding, Rival, Stage
+from workbench.diagnosis.result import Diagnosis
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.telling import findings
 from workbench.diagnosis.telling.evidence import structure_evidence

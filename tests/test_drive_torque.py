@@ -92,7 +92,7 @@ def dead(torque, problem):
 
 def without_compensator(torque, problem):
     bare = wrenches(problem.arm, problem.rigid, replace(problem.loads, compensator=None))
-    return torque + problem.arm.own(problem.nominal_load.local) - problem.arm.own(bare.local)
+    return torque + problem.nominal_torque - problem.arm.own(bare.local)
 
 
 SPOILT = {

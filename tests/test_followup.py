@@ -23,11 +23,10 @@ from workbench import (
     what_decides,
 )
 from workbench.campaign.joined import join
-from workbench.campaign.known import with_known
 from workbench.campaign.payloads import with_payloads
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
-from workbench.diagnosis.result import Decision, Finding, Rival
+from workbench.diagnosis.found import Decision, Finding, Rival
 from workbench.effects.records import parse_effect
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
@@ -349,7 +348,7 @@ def test_commands_name_all_that_was_diagnosed(open_tie, tmp_path):
     """Both campaigns of a joint diagnosis, and the facts that were said beside their files."""
     _, campaign, _ = open_tie
     first, second = (replace(campaign, path=Path(name)) for name in ("my first.toml", "second.toml"))
-    whole = join([with_known(first, ["no drift"]), second])
+    whole = join([first.with_known(["no drift"]), second])
     assert shlex.split(whole.arguments) == ["my first.toml", "second.toml", "--known", "no drift"]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from campaign_example import BARE, POINTS, POSES, TOML, faults, write_example
 
-from workbench import Campaign, InputError, load_campaign
+from workbench import InputError, campaign_from_arrays, load_campaign
 from workbench.campaign import load_campaign as load
 
 
@@ -125,13 +125,13 @@ def test_a_known_scale(tmp_path):
 
 def test_arrays_are_a_campaign(tmp_path):
     plain = load_campaign(write_example(tmp_path))
-    made = Campaign.from_arrays(tmp_path / "robot/tiny.toml", plain.poses.q, plain.points, sigma=2e-5)
+    made = campaign_from_arrays(tmp_path / "robot/tiny.toml", plain.poses.q, plain.points, sigma=2e-5)
     np.testing.assert_array_equal(made.poses.q, plain.poses.q)
     np.testing.assert_array_equal(made.points, plain.points)
     assert made.noise_sigma == pytest.approx(2e-5)
     assert [target.name for target in made.targets] == ["T1", "T2"]
     sections = {"targets": {"A": {"xyz_mm": [1, 2, 3]}}, "tool": {"mass_kg": 3.0}}
-    one = Campaign.from_arrays(made.robot, plain.poses.q, plain.points[:, 0], sections=sections)
+    one = campaign_from_arrays(made.robot, plain.poses.q, plain.points[:, 0], sections=sections)
     assert one.targets[0].xyz == (0.001, 0.002, 0.003)
     assert one.tool_mass == 3.0
 
@@ -152,7 +152,7 @@ def test_data_frames_state_their_units(tmp_path, kind):
         q1_deg=np.degrees(q[:, 0]), q2_rad=q[:, 1], q3_m=q[:, 2], dir1=[1, -1, 1], pose_id=["a", "b", "c"]
     )
     points = kind(pose_id=["a", "b", "c"], x_m=[1.0, 2.0, 3.0], y_m=[0.0] * 3, z_mm=[5, 5, 5])
-    made = Campaign.from_arrays(plain.robot, poses, points)
+    made = campaign_from_arrays(plain.robot, poses, points)
     np.testing.assert_allclose(made.poses.q, q, atol=1e-15)
     assert made.poses.side[:, 0].tolist() == [1, -1, 1]
     assert made.points[:, 0].tolist() == [[1, 0, 0.005], [2, 0, 0.005], [3, 0, 0.005]]
@@ -171,7 +171,7 @@ def test_wrong_arrays_are_told(tmp_path):
         (dict(points={"x": [1], "y_mm": [1], "z_mm": [1]}), "does not say its unit"),
     ]:
         with pytest.raises(InputError, match=match):
-            Campaign.from_arrays(robot, **{"q": q, "points": points, **bad})
+            campaign_from_arrays(robot, **{"q": q, "points": points, **bad})
 
 
 SIX_D = "id,x,y,z,q0,q1,q2,q3\na,1,2,3,1,0,0,0\nb,4,5,6,0.7071,0,0,0.7071\nc,7,8,9,0.5,0.5,0.5,0.5\n"

@@ -16,7 +16,8 @@ import pytest
 from html_check import Checker, parse
 
 from workbench.correction.paths import Path as ToolPath
-from workbench.diagnosis.result import Diagnosis, Rival
+from workbench.diagnosis.found import Rival
+from workbench.diagnosis.result import Diagnosis
 from workbench.effects.place import Parameter
 from workbench.report.content import gather
 from workbench.report.drawing import Figure

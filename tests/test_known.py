@@ -13,7 +13,7 @@ from diagnosis_cases import measured, named
 
 from workbench import diagnose, load_robot, plan, planned, what_decides
 from workbench.campaign import Campaign, load_campaign, write_campaign
-from workbench.campaign.known import KnownData, parse_known, with_known
+from workbench.campaign.known import KnownData, parse_known
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis import given
 from workbench.effects.given import given_facts
@@ -47,7 +47,7 @@ def weak() -> Campaign:
 
 def test_facts_are_read_from_text_and_toml_alike(tmp_path):
     texts = ["link_mass:link=link_2,mass_kg=311,std=2,note=weighed", "no hose_torque", "no backlash(joint_5)"]
-    campaign = with_known(weak(), texts)
+    campaign = weak().with_known(texts)
     assert campaign.known.exclude == ("hose_torque", "backlash(joint_5)")
     (fact,) = campaign.known.facts
     assert (fact.link, fact.parameter, fact.value, fact.std) == ("link_2", "mass_kg", 311.0, 2.0)
@@ -106,14 +106,14 @@ def test_a_springs_free_length_becomes_a_preload():
     robot = load_robot("rx170")
     spring = robot.compensator
     told = f"gravity_compensator:variant=preload,free_length={spring.free_length + 0.01},std=0.002"
-    campaign = with_known(planned(robot, np.zeros((1, 6))), [told])
+    campaign = planned(robot, np.zeros((1, 6))).with_known([told])
     (fact,) = given_facts(problem_of(campaign))
     assert (fact.value, fact.std) == pytest.approx((-0.01 * spring.rate, 0.002 * spring.rate))
 
 
 def test_a_given_number_is_weighed_against_the_data():
     """Bayes: the fit with a fact is the fit without it and the fact, weighed by their variances."""
-    campaign = with_known(weak(), ["gravity_compensator:precharge_bar=93,std=0.6"])
+    campaign = weak().with_known(["gravity_compensator:precharge_bar=93,std=0.6"])
     job = problem_of(campaign)
     (fact,) = given_facts(job)
     noise = required_noise(job)
@@ -131,7 +131,7 @@ def test_a_given_number_is_weighed_against_the_data():
 
 def test_a_number_may_be_known_worse_than_its_size():
     known = (f"joint_compliance:joint=joint_2,stiffness=2e6,std={std}" for std in ("2e4", "4e6"))
-    little, much = (given_facts(problem_of(with_known(weak(), [text])))[0] for text in known)
+    little, much = (given_facts(problem_of(weak().with_known([text])))[0] for text in known)
     assert little.value == much.value
     assert much.std == pytest.approx(200 * little.std, rel=0.02)
 
@@ -218,7 +218,7 @@ def test_a_reading_that_was_given_is_not_asked_for_again():
 def test_exact_facts_are_said_as_people_say_them():
     """The model's own number, exactly: no 1e-16 of it, no interval, and a spread only where there is one."""
     facts = ["gear_ratio:joint=joint_4,ratio=100,std=0", f"gravity_compensator:precharge_bar={BAR},std=1"]
-    known = with_known(weak(), facts)
+    known = weak().with_known(facts)
     assert [fact.value for fact in given_facts(problem_of(known))] == [0.0, 0.0]
     ratio, charge = (item for item in diagnose(known).diagnosis.given)
     assert "relative" not in ratio.sentence
@@ -228,7 +228,7 @@ def test_exact_facts_are_said_as_people_say_them():
     assert given._plain(ratio.given, exact=True) == "relative 0 ppm exactly"
     text = "gear_ratio:joint=joint_4,ratio=50,std=0"
     with pytest.raises(InputError, match=r"between -?\d[\d.]* and \d[\d.]*$") as told:
-        given_facts(problem_of(with_known(weak(), [text])))
+        given_facts(problem_of(weak().with_known([text])))
     assert not str(told.value).endswith(" 1")
 
 

@@ -10,7 +10,7 @@ from diagnosis_cases import measured, named, robot
 from workbench.campaign import join, load_campaign, write_campaign
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.result import FaultFound
+from workbench.diagnosis.found import FaultFound
 from workbench.diagnosis.run import diagnose
 from workbench.effects.unnamed.anew import GeometryAnew, ZeroAnew
 from workbench.identification.model import Model

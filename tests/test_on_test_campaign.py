@@ -9,8 +9,8 @@ import pytest
 from diagnosis_cases import measured, with_points
 
 from workbench import Truth, diagnose, load_robot, parse_effect, planned, problem_of, random_poses, simulate
+from workbench.diagnosis.found import FaultFound
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.result import FaultFound
 from workbench.diagnosis.telling.on_test_campaign import test_figures as figures_on
 from workbench.effects.payload import Payload
 from workbench.files.faults import InputError

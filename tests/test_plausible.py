@@ -10,7 +10,6 @@ from diagnosis_cases import measured
 from scipy.optimize import least_squares
 
 from workbench.campaign import Campaign, Target, write_campaign
-from workbench.campaign.known import with_known
 from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
@@ -570,7 +569,7 @@ def test_a_mend_that_stays_within_the_limits_comes_first():
 
 
 def test_a_check_refuses_what_a_diagnosis_refuses():
-    wrong = with_known(honest(), ["no nonsense_cause", "nonsense_fact:joint=joint_1,ratio=100,std=1"])
+    wrong = honest().with_known(["no nonsense_cause", "nonsense_fact:joint=joint_1,ratio=100,std=1"])
     said = [str(fault) for fault in first_look(wrong).wrong]
     assert any("no cause 'nonsense_cause'" in fault for fault in said)
     assert any("no cause 'nonsense_fact'" in fault for fault in said)

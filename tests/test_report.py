@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from html_check import parse
 
-from workbench.diagnosis.result import Diagnosis, Finding, NotTestable
+from workbench.diagnosis.found import Finding, NotTestable
+from workbench.diagnosis.result import Diagnosis
 from workbench.effects import catalogue
 from workbench.effects.place import Parameter, Where
 from workbench.report import figures, write_all

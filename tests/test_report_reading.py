@@ -13,7 +13,7 @@ import pytest
 
 from workbench.campaign.guess import guess_points, guess_poses
 from workbench.campaign.template import template_files
-from workbench.diagnosis.result import Decision, FaultFound, Rival
+from workbench.diagnosis.found import Decision, FaultFound, Rival
 from workbench.diagnosis.telling.findings import said_together
 from workbench.diagnosis.telling.headline import in_order
 from workbench.diagnosis.telling.standing import Standing, why_open

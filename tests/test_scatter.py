@@ -10,9 +10,9 @@ import pytest
 from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
 from workbench.campaign import Target
 from workbench.diagnosis import candidates
+from workbench.diagnosis.found import Stage
 from workbench.diagnosis.noise.scatter import beyond_all, with_scatter
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.result import Stage
 from workbench.diagnosis.telling.headline import Errors, headline
 from workbench.diagnosis.telling.power import visible_mm, wandering_mm
 from workbench.effects.base import UNKNOWN

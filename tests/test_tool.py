@@ -8,7 +8,6 @@ import pytest
 from diagnosis_cases import found, measured, named
 
 from workbench.campaign import Campaign
-from workbench.campaign.known import with_known
 from workbench.campaign.problem import Problem, problem_of
 from workbench.diagnosis.result import Diagnosis
 from workbench.effects.link_mass import LinkMass
@@ -102,14 +101,14 @@ def test_a_tool_that_was_stated_rightly_is_not_suspected(mass, name):
 def test_an_exact_mass_of_another_link_is_kept_to():
     case = mounted(90.0, 60.0)
     arm = problem_of(case).arm
-    known = with_known(case, [LINK_5.format(arm.mass[arm.slot_of_link("link_5")])])
+    known = case.with_known([LINK_5.format(arm.mass[arm.slot_of_link("link_5")])])
     diagnosis = found(known)
     assert [fact.obeyed for fact in diagnosis.given] == [True]
     assert named(diagnosis) == {TOOL: "named"}
 
 
 def test_a_weighed_tool_explains_what_the_wrong_one_did():
-    said = found(with_known(mounted(90.0, 60.0), ["payload:payload=tool,mass_kg=90,std=0.5"]))
+    said = found(mounted(90.0, 60.0).with_known(["payload:payload=tool,mass_kg=90,std=0.5"]))
     assert [fact.obeyed for fact in said.given] == [True]
     assert said.verdict == "nothing_missing"
 

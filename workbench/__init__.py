@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .campaign import Target as Target
     from .campaign import load_campaign as load_campaign
     from .campaign import write_campaign as write_campaign
+    from .campaign.arrays import campaign_from_arrays as campaign_from_arrays
     from .campaign.planned import planned as planned
     from .campaign.planned import random_poses as random_poses
     from .campaign.problem import Problem as Problem
@@ -35,9 +36,9 @@ if TYPE_CHECKING:
     from .correction.trajectory import nominal_joints as nominal_joints
     from .diagnosis.changes import compare as compare
     from .diagnosis.changes.result import Comparison as Comparison
+    from .diagnosis.found import Finding as Finding
+    from .diagnosis.found import Revealed as Revealed
     from .diagnosis.result import Diagnosis as Diagnosis
-    from .diagnosis.result import Finding as Finding
-    from .diagnosis.result import Revealed as Revealed
     from .diagnosis.run import Outcome as Outcome
     from .diagnosis.run import diagnose as diagnose
     from .effects import catalogue as catalogue
@@ -161,6 +162,7 @@ if TYPE_CHECKING:
 _MODULES = {
     "cli.study": "run_study",
     "campaign": "Campaign Target load_campaign write_campaign",
+    "campaign.arrays": "campaign_from_arrays",
     "campaign.planned": "planned random_poses",
     "campaign.problem": "Problem problem problem_of",
     "correction": "path_shapes",
@@ -172,7 +174,8 @@ _MODULES = {
     "correction.paths": "Path load_path write_path",
     "diagnosis.changes": "compare",
     "diagnosis.changes.result": "Comparison",
-    "diagnosis.result": "Diagnosis Finding Revealed",
+    "diagnosis.found": "Finding Revealed",
+    "diagnosis.result": "Diagnosis",
     "diagnosis.run": "Outcome diagnose",
     "effects": "catalogue",
     "effects.base": "Effect",
@@ -240,7 +243,9 @@ __all__ = list(_HOME)
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        value: Any = _version()
+        from .files.version import version
+
+        value: Any = version()
     elif name in _HOME:
         home = importlib.import_module(f"workbench.{_HOME[name]}")
         value = getattr(home, name, None) or importlib.import_module(f"{home.__name__}.{name}")
@@ -248,20 +253,6 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'workbench' has no attribute {name!r}")
     globals()[name] = value
     return value
-
-
-def _version() -> str:
-    """As its pyproject.toml says in a source tree, newer perhaps than its installation; else as installed."""
-    import tomllib
-    from importlib.metadata import version
-    from pathlib import Path
-
-    name, file = "robot-workbench", Path(__file__).resolve().parents[1] / "pyproject.toml"
-    if file.is_file():
-        project = tomllib.loads(file.read_text(encoding="utf-8")).get("project", {})
-        if project.get("name") == name:
-            return str(project["version"])
-    return version(name)
 
 
 def __dir__() -> list[str]:

@@ -20,15 +20,29 @@ from .load import NotInOrder, joined
 from .point_table import seen_rows
 
 
-def campaign_from(
+def campaign_from_arrays(
     robot: Robot | str | Path,
     q: Any,
     points: Any,
-    sigma: float | None,
-    sections: Mapping[str, Any] | None,
-    title: str,
+    sigma: float | None = None,
+    sections: Mapping[str, Any] | None = None,
+    title: str = "arrays",
 ) -> Campaign:
-    """See `Campaign.from_arrays`."""
+    """A campaign out of arrays or data frames, checked like one out of files.
+
+    robot: as loaded, by name or by its TOML. q: (N, n) commanded joints [rad, m], or a data frame
+    (pandas, polars, a mapping of columns) with the columns of `poses.csv`. points: (N, 3) or
+    (N, T, 3) [m] in the instrument's frame, NaN where not seen, or a data frame with the columns of
+    `points.csv`. sigma: of the instrument [m, per axis]. sections: more of `campaign.toml` by its keys
+    (`targets`, `tool`, ...).
+    Raises `InputError`.
+
+    >>> import numpy as np
+    >>> from workbench import campaign_from_arrays
+    >>> q = np.random.default_rng(0).uniform(0.1, 0.5, (12, 3))
+    >>> campaign_from_arrays("cylindrical", q, points=np.ones((12, 3)) + q, sigma=3e-5).n_points
+    12
+    """
     robot = robot if isinstance(robot, Robot) else load_robot(robot)
     said: dict[str, Any] = {"schema": 1, "title": title, "robot": robot.name, **(sections or {})}
     said |= {"poses": {"file": "q"}, "points": {"file": "points"}}

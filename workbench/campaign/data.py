@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from shlex import quote
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.description import Robot
 from .cell import CellData
-from .known import KnownData
+from .known import KnownData, and_told
 from .poses import Array, Column, IntArray, Poses
 
 
@@ -162,35 +161,6 @@ class Campaign:
         seen = f"{self.n_poses} poses, {self.n_points} points of {targets}"
         return f"Campaign {self.title!r} of {self.robot.name}: {seen}{loads}{noise}"
 
-    @classmethod
-    def from_arrays(
-        cls,
-        robot: Robot | str | Path,
-        q: Any,
-        points: Any,
-        sigma: float | None = None,
-        sections: Mapping[str, Any] | None = None,
-        title: str = "arrays",
-    ) -> Campaign:
-        """A campaign out of arrays or data frames, checked like one out of files.
-
-        robot: as loaded, by name or by its TOML. q: (N, n) commanded joints [rad, m], or a data frame
-        (pandas, polars, a mapping of columns) with the columns of `poses.csv`. points: (N, 3) or
-        (N, T, 3) [m] in the instrument's frame, NaN where not seen, or a data frame with the columns of
-        `points.csv`. sigma: of the instrument [m, per axis]. sections: more of `campaign.toml` by its keys
-        (`targets`, `tool`, ...).
-        Raises `InputError`.
-
-        >>> import numpy as np
-        >>> from workbench import Campaign
-        >>> q = np.random.default_rng(0).uniform(0.1, 0.5, (12, 3))
-        >>> Campaign.from_arrays("cylindrical", q, points=np.ones((12, 3)) + q, sigma=3e-5).n_points
-        12
-        """
-        from .arrays import campaign_from
-
-        return campaign_from(robot, q, points, sigma, sections, title)
-
     @cached_property
     def of_campaign(self) -> IntArray:
         """(N,) number of the campaign that each pose is of, where several are in it."""
@@ -253,6 +223,10 @@ class Campaign:
         setups, numbers = np.unique(out.poses.setup, return_inverse=True)
         names = tuple(self.setup_names[k] for k in setups)
         return replace(out.with_poses(setup=numbers.ravel().astype(np.int64)), setup_names=names)
+
+    def with_known(self, texts: Sequence[str]) -> Campaign:
+        """The campaign with what `--known` says besides. Raises InputError."""
+        return replace(self, known=and_told(self.known, texts), told=(*self.told, *texts))
 
     def with_poses(self, **columns: Column) -> Campaign:
         """The campaign with other columns of its poses, by their names in `Poses`."""

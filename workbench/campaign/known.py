@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ..files.faults import Fault, InputError
 from ..files.measure import AboveZero
-
-if TYPE_CHECKING:
-    from .data import Campaign
 
 Name = Annotated[str, Field(min_length=1)]
 EXAMPLE = 'like link_mass:link=link_2,mass_kg=311,std=2 or "no backlash(joint_5)"'
@@ -85,18 +81,17 @@ class KnownData(BaseModel):
         return self.model_copy(update={"exclude": exclude, "facts": facts})
 
 
-def with_known(campaign: Campaign, texts: Sequence[str]) -> Campaign:
-    """The campaign with what `--known` says besides. Raises InputError."""
+def and_told(known: KnownData, texts: Sequence[str]) -> KnownData:
+    """What is known with what `--known` says besides. Raises InputError."""
     faults: list[Fault] = []
-    said = campaign.known
     for text in texts:
         try:
-            said = said.and_more(parse_known(text))
+            known = known.and_more(parse_known(text))
         except InputError as error:
             faults += error.faults
     if faults:
         raise InputError(faults)
-    return replace(campaign, known=said, told=(*campaign.told, *texts))
+    return known
 
 
 def parse_known(text: str) -> KnownData:

@@ -17,7 +17,7 @@ def too_weak(robot: Robot) -> list[str]:
     lower, upper = joint_ranges(robot)
     q = np.random.default_rng(0).uniform(lower, upper, (POSES, len(lower)))
     problem = problem_of(planned(robot, q))
-    most = np.abs(problem.arm.own(problem.nominal_load.local)).max(axis=0)
+    most = np.abs(problem.nominal_torque).max(axis=0)
     return [
         f"{robot.urdf}: {joint.name} holds up to {torque:.3g} {unit} of the arm's own weight, but its drive "
         f"bears {joint.effort:.3g} {unit} (effort): `verify` refuses that; state what it bears (0: unknown)"

@@ -14,7 +14,8 @@ from ..robot.description import Robot
 from ..robot.hidden_geometry import hidden_corrections
 from ..robot.kinematics import RX, RY, RZ, TX, TY, TZ, Arm, Array, Frames, frames
 from ..robot.loads import Loads, Wrenches, wrenches
-from . import Campaign, drive_torque
+from . import Campaign
+from .drives import Drive, drives_of
 
 REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
 ON_BASE = 3  # fixed targets on the base that say where it is
@@ -110,9 +111,14 @@ class Problem:
         return wrenches(self.arm, self.rigid, self.loads)
 
     @cached_property
-    def own_of_drives(self) -> list[drive_torque.Drive]:
+    def nominal_torque(self) -> Array:
+        """(N, n) [N·m, N] what the drives of the rigid arm hold under the stated loads."""
+        return self.arm.own(self.nominal_load.local)
+
+    @cached_property
+    def own_of_drives(self) -> list[Drive]:
         """What the joints' drives make of their own of the recorded torques."""
-        return drive_torque.drives(self)
+        return drives_of(self.campaign.poses, self.nominal_torque)
 
     @cached_property
     def hidden_corrections(self) -> frozenset[int]:

@@ -16,7 +16,8 @@ import numpy as np
 
 from ..robot.kinematics import Array
 from ..robot.loads import wrenches
-from .drive_torque import FEWEST, SHOWS, axis_error, own_of_drive, scatter, shown
+from .drive_torque import FEWEST, SHOWS, axis_error, scatter, shown
+from .drives import own_of_drive
 from .problem import Problem
 
 FACTOR = 10**0.5  # by which a scale is nearer to another unit's, ten times or more, than to one
@@ -51,13 +52,13 @@ def doubtful(problem: Problem) -> list[Doubtful]:
         return []
     bare = wrenches(problem.arm, problem.rigid, replace(problem.loads, compensator=None))
     weight = -problem.arm.own(bare.local)
-    balance = -problem.arm.own(problem.nominal_load.local) - weight
+    balance = -problem.nominal_torque - weight
     found = []
     for j, least in enumerate(axis_error(problem)):
         seen = np.isfinite(measured[:, j])
         if seen.sum() < FEWEST:
             continue
-        own, values = own_of_drive(problem, j)[seen], measured[seen, j]
+        own, values = own_of_drive(problem.campaign.poses, problem.nominal_torque, j)[seen], measured[seen, j]
         loads = [weight[seen, j]]
         if balance[seen, j].std() > least:
             loads.append(balance[seen, j])

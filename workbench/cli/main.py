@@ -72,7 +72,7 @@ class _Version(argparse.Action):
     """Looks the version up only when it is asked for."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        from .. import __version__
+        from ..files.version import version
 
-        print(f"workbench {__version__}")
+        print(f"workbench {version()}")
         parser.exit()

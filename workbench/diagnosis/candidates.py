@@ -9,7 +9,7 @@ from ..effects import catalogue
 from ..effects.base import Effect
 from ..effects.place import Where
 from ..effects.unnamed import unnamed
-from .result import NotTestable
+from .found import NotTestable
 
 NO_WEIGHTS = "no masses in the URDF, and one load in all poses: state the masses, or measure with two loads"
 AS_ROUNDED = "many poses have one written value of it, so coarse that its rounding may be all that is left"

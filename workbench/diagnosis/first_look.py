@@ -17,8 +17,8 @@ from ..identification.plausible import believed, enough_poses
 from ..identification.registration import register
 from ..robot.kinematics import Array
 from .candidates import untold
+from .found import NotTestable
 from .noise.distances import far_too_much
-from .result import NotTestable
 
 SUSPICIOUS = 5.0  # times the median distance of what the arm carries: it errs, what stands beside it does not
 

@@ -15,9 +15,9 @@ from ..effects.place import NOWHERE, Parameter
 from ..identification.fit import Fit
 from ..identification.rows import offset_of
 from .candidates import untold
+from .found import GivenFact, NotTestable
 from .prepared import Prepared, Progress
 from .priors import PRIORS
-from .result import GivenFact, NotTestable
 from .search.competition import Selection
 from .search.rounds import LOOSE
 from .telling.standing import standing

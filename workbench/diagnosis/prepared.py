@@ -31,11 +31,11 @@ from .data_faults.moved_setup import Step, split_setup
 from .data_faults.rounded_joints import all_rounding
 from .data_faults.sound import Enough, Sound, each_alone, measured_only, noise_at, without_faults
 from .data_faults.wild_points import Acting, Cleaned, least_sigma
+from .found import FaultFound, Noise
 from .noise.coarse import coarseness
 from .noise.noise_choice import SILENT, as_left, from_residual, of_distances, rigid_targets, said_of_silent
 from .noise.six_dof import of_repeats, of_turns, turn_rad
 from .noise.torque_noise import torque_noise
-from .result import FaultFound, Noise
 from .weighing.places_of_steps import places
 from .weighing.replication import enough_for_halves
 

@@ -10,7 +10,6 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from ..campaign import Campaign, load_campaign
-from ..campaign.known import with_known
 from ..campaign.problem import Problem
 from ..campaign.same_robot import check_same_robot
 from ..effects.base import Effect
@@ -19,9 +18,10 @@ from .candidates import testable
 from .data_faults.changed_between import changed_between
 from .data_faults.moved_setup import by_no_chance
 from .data_faults.wild_points import wild_beside
+from .found import NotTestable
 from .given import Searched, search_with_given
 from .prepared import Prepared, Progress, prepare
-from .result import Diagnosis, NotTestable
+from .result import Diagnosis
 from .search.competition import Selection, compete
 from .search.refuted import judged, with_none_refuted
 from .telling.findings import Parts, assemble
@@ -150,7 +150,7 @@ def _all_loaded(campaigns: Given | Sequence[Given], known: Sequence[str]) -> lis
     """The campaigns, with facts beside those of the first one's `[known]`."""
     several = [campaigns] if isinstance(campaigns, Campaign | str | Path) else campaigns
     loaded = [_loaded(one) for one in several]
-    return [with_known(loaded[0], known), *loaded[1:]]
+    return [loaded[0].with_known(known), *loaded[1:]]
 
 
 def _loaded(given: Given) -> Campaign:

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from ..diagnosis.result import Array, Diagnosis
+from ..diagnosis.found import Array
+from ..diagnosis.result import Diagnosis
 from ..robot.description import Robot
 from .folder import json_bytes, write_together
 

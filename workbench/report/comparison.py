@@ -9,17 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ..diagnosis.changes.elsewhere import as_stated
-from ..diagnosis.changes.result import (
-    BACK,
-    CREEP,
-    STEP,
-    Apart,
-    Change,
-    Comparison,
-    TargetMoved,
-    Track,
-    Unchanged,
-)
+from ..diagnosis.changes.found import BACK, CREEP, STEP, Apart, Change, TargetMoved, Track, Unchanged
+from ..diagnosis.changes.result import Comparison
 from ..diagnosis.changes.words import hidden_size, tells, with_std
 from ..diagnosis.telling.headline import listed
 from ..effects import catalogue

@@ -14,7 +14,8 @@ from typing import Any
 
 from scipy.stats import maxwell
 
-from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound, Finding, GivenFact
+from ..diagnosis.found import NAMELESS, FaultFound, Finding, GivenFact
+from ..diagnosis.result import Diagnosis
 from ..diagnosis.telling.headline import STEPS, listed, words_of
 from ..effects.base import UNKNOWN
 from ..effects.place import Parameter

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..diagnosis.result import Decision, Finding
+from ..diagnosis.found import Decision, Finding
 from .numbers import significant
 
 LONG = 200  # characters of a command, from which it is folded away

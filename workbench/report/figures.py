@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import maxwell
 
-from ..diagnosis.result import Diagnosis, Evidence, Finding, PoseErrors
+from ..diagnosis.found import Evidence, Finding, PoseErrors
+from ..diagnosis.result import Diagnosis
 from .drawing import (
     AFTER,
     BEFORE,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ..diagnosis.result import Diagnosis, Finding
+from ..diagnosis.found import Finding
+from ..diagnosis.result import Diagnosis
 from ..effects.place import Where
 from .numbers import size, words
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..diagnosis.result import Diagnosis, PoseErrors
+from ..diagnosis.found import PoseErrors
+from ..diagnosis.result import Diagnosis
 from ..files.tables import table_text
 
 HEAD = (

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..diagnosis.result import Diagnosis, PoseErrors
+from ..diagnosis.found import PoseErrors
+from ..diagnosis.result import Diagnosis
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 from .meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, upright, with_panel

@@ -7,7 +7,8 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound, Finding
+from ..diagnosis.found import NAMELESS, FaultFound, Finding
+from ..diagnosis.result import Diagnosis
 from ..effects.base import UNKNOWN
 from .content import next_step, place, place_of, status
 from .dataset import SOURCES

@@ -14,6 +14,7 @@ from ...files.faults import Fault, InputError
 from ...files.whole import put_all
 from ...robot import rotations
 from .base import Array, Program
+from .catalogue import formats
 from .format import Format
 
 log = logging.getLogger(__name__)
@@ -138,8 +139,6 @@ def put_files(files: Mapping[Path, bytes], keep: bool, beside: Mapping[Path, byt
 def is_folder(out: Path, format: Format) -> bool:
     """Whether `out` means a folder: it is one, or has no extension. `InputError` for another's extension; a
     table may have any that is no program's."""
-    from . import formats
-
     if out.is_dir() or not out.suffix:
         return True
     end = out.suffix.lower()

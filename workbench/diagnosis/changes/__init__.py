@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...campaign import Campaign, load_campaign
-from ...campaign.known import with_known
 from ...campaign.other_tools import with_tools_as_loads
 from ...files.faults import Fault, InputError
 from ..candidates import testable
@@ -57,7 +56,7 @@ def compare(
         raise InputError(Fault("compare", "one campaign alone", "name two or more of one robot"))
     loaded = [one if isinstance(one, Campaign) else load_campaign(one) for one in campaigns]
     loaded, tools = with_tools_as_loads(loaded)
-    occasions, whole = occasions_of([with_known(one, known) for one in loaded], progress)
+    occasions, whole = occasions_of([one.with_known(known) for one in loaded], progress)
     progress("comparing")
     decided = decide(occasions, whole, testable(whole)[0])
     progress("writing down what was found")

@@ -13,8 +13,8 @@ from ...robot.kinematics import Array
 from ..search.rounds import LOOSE
 from .candidates import Shape, numbers_of_shape
 from .decision import Decided
+from .found import PHASE
 from .levels import Levels
-from .result import PHASE
 
 Numbers = tuple[Parameter, ...]
 HELD = 0.5  # of the standard deviation that a number has without data

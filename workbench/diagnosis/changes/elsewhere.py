@@ -8,7 +8,7 @@ import numpy as np
 
 from ..telling.headline import listed
 from .covered import hardly
-from .result import Apart, TargetMoved, TargetsMoved
+from .found import Apart, TargetMoved, TargetsMoved
 from .system import System
 from .words import with_std
 

@@ -15,10 +15,10 @@ from .before_after import numbers_at
 from .candidates import numbers_of_shape
 from .covered import carried_change, covered
 from .decision import Decided, Hidden, label_of
+from .found import POSSIBLE, Change, Repeats, Rival, Track, Unseen
 from .levels import Levels, levels_of, together
 from .occasions import Occasion
 from .recheck import Known, recheck
-from .result import POSSIBLE, Change, Repeats, Rival, Track, Unseen
 from .system import System, solve
 
 ROBOT = "robot"

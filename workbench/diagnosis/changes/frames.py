@@ -10,8 +10,8 @@ from ...robot.kinematics import Array
 from .covered import carried
 from .decision import Decided
 from .findings import hidden_zeros
+from .found import Apart
 from .occasions import Occasion
-from .result import Apart
 from .scatter import scatters
 from .system import Solved, System, moved_without_parts, parts_in_order
 from .targets import targets_moved

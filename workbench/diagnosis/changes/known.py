@@ -10,7 +10,7 @@ import numpy as np
 from ...campaign.known import KnownData
 from ...campaign.problem import Problem
 from ...effects.given import Exclusion, Given, exclusions, given_facts
-from ..result import GivenFact
+from ..found import GivenFact
 from ..telling.headline import listed
 
 Said = Given | Exclusion

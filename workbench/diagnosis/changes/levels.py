@@ -13,7 +13,7 @@ from ...robot.kinematics import Array
 from .beside import how_sure
 from .candidates import Shape
 from .decision import Decided
-from .result import BACK, CREEP, LEVELS, STEP
+from .found import BACK, CREEP, LEVELS, STEP
 
 NOTHING = 3e-3  # probability by chance from which a level is none
 

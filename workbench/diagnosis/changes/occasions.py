@@ -19,10 +19,10 @@ from ...identification.noise import Covariance
 from ...identification.plausible import enough_beside_others, enough_together, too_few_alone
 from ...robot.kinematics import Array
 from ..candidates import testable
+from ..found import GivenFact
 from ..given import search_with_given
 from ..noise.scatter import alike
 from ..prepared import Prepared, Progress, prepare
-from ..result import GivenFact
 from ..search.competition import Selection, compete
 from .coherence import coherence
 from .known import held_against, only, said_of_all

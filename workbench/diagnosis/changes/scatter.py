@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from .candidates import Shape
-from .result import Scatter
+from .found import Scatter
 from .system import Solved, System
 
 

@@ -19,7 +19,7 @@ from ..weighing.weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
 from .covered import carried_change
 from .decision import Decided, form_of
-from .result import Unchanged
+from .found import Unchanged
 from .system import System, solve
 
 GRID = np.linspace(1.0, 15.0, 281)  # standard deviations

@@ -12,8 +12,8 @@ from scipy.stats import chi2
 from ...robot.kinematics import Arm, Array
 from ...robot.rotations import body_jacobian
 from .covered import carried
+from .found import TargetMoved, TargetsMoved, Together
 from .occasions import Occasion
-from .result import TargetMoved, TargetsMoved, Together
 from .system import Solved, System
 
 LEVEL = 1e-4  # of the test whether targets moved

@@ -9,7 +9,7 @@ from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
 from ..telling.headline import listed, words_of
 from .candidates import PLACED
-from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change, Rival, bounds
+from .found import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change, Rival, bounds
 
 MOST_SAID = 3
 MOST_WAYS = 4  # that something may be, in one line

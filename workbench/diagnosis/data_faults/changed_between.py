@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...campaign.problem import Problem
+from ..found import FaultFound
 from ..priors import PRIORS
-from ..result import FaultFound
 from ..search.competition import Selection
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...campaign import Campaign
-from ..result import FaultFound
+from ..found import FaultFound
 
 
 def without_copies(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:

@@ -108,7 +108,7 @@ class Eased:
     def _yields(self) -> Array:
         """(N, D, n) what each joint's yield to its torque moves, per unit of compliance; 0 without torque."""
         problem = self.at.model.problem
-        torque = problem.arm.own(problem.nominal_load.local)
+        torque = problem.nominal_torque
         most = np.abs(torque).max(axis=0)
         return np.asarray(self.at.axial * np.where(most > IDLE * most.max(), torque, 0.0)[:, None])
 

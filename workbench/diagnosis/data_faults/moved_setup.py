@@ -29,7 +29,7 @@ from ...identification.registration import (
     stated_within,
 )
 from ...robot.kinematics import Array
-from ..result import FaultFound
+from ..found import FaultFound
 from ..weighing.places_of_steps import CLEARLY, Taken, by_chance, gains_of, half_of, places, prefix
 from ..weighing.screen import SURVIVES, effective_dof, quadratic, reduce_columns
 from .rounded_joints import shared_rounding

@@ -14,7 +14,7 @@ from ...campaign.problem import Problem
 from ...identification.fit import Fit
 from ...identification.noise import LEAST
 from ...robot.kinematics import Array
-from ..result import FaultFound
+from ..found import FaultFound
 from .rounded_joints import shared_rounding
 
 FEWEST = 5  # poses on either side of a step

@@ -11,7 +11,7 @@ import numpy as np
 from ...campaign import Campaign
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
-from ..result import FaultFound
+from ..found import FaultFound
 
 Predicts = Callable[[Problem], Array]  # the points (N, T, 3) [m] of a problem with other loads
 

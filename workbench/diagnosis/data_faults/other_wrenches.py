@@ -13,7 +13,7 @@ from ...campaign import Campaign
 from ...campaign.file import WRENCH_COLUMNS
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
-from ..result import FaultFound
+from ..found import FaultFound
 from .mistaken_wrenches import under
 from .other_loads import NEARER, Predicts, farthest
 

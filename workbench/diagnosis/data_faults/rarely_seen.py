@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...campaign.problem import Problem
-from ..result import FaultFound
+from ..found import FaultFound
 from .wild_points import Mended
 
 LEAST_POSITIONS = 3  # of the joints, of which one may be held out and the place is still known

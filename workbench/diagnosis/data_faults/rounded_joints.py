@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from ...identification.fit import Fit
-from ..result import FaultFound, Noise
+from ..found import FaultFound, Noise
 from ..weighing.remainder import Remainder, remainder
 from ..weighing.screen import effective_dof, reduce_columns
 

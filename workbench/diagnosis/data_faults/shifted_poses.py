@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
-from ..result import FaultFound
+from ..found import FaultFound
 
 FEWEST = 3  # poses that are found at others: two may be chance
 NEAR = 10.0  # times what points are usually off: their own place

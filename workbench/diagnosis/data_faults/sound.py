@@ -19,8 +19,8 @@ from ...identification.model import Model, State
 from ...identification.noise import FEWEST_DOF, Covariance
 from ...identification.plausible import believed, check_rest, too_few_alone
 from ...robot.kinematics import Array
+from ..found import FaultFound, Noise
 from ..noise.noise_choice import choose, from_residual, of_distances, without_wild_repeats
-from ..result import FaultFound, Noise
 from ..weighing.places_of_steps import DIFFERENT
 from .mistaken_loads import mistaken_loads
 from .moved_setup import jump, split_setup, step_in_time

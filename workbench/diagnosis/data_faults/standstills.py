@@ -17,7 +17,7 @@ from ...campaign import Campaign
 from ...campaign.poses import Array, Column
 from ...campaign.problem import Problem
 from ...identification.repeats import repeat_groups
-from ..result import FaultFound
+from ..found import FaultFound
 
 LONGEST = 120.0  # s between the first and the last: from there on arm, stand or hall may have moved
 WARMER = 0.5  # K, of the same

@@ -23,7 +23,7 @@ from ...identification.model import Model, State
 from ...identification.noise import Covariance
 from ...identification.registration import register, spread_of
 from ...robot.kinematics import Array
-from ..result import FaultFound
+from ..found import FaultFound
 from .off_together import no_outliers
 from .other_loads import Predicts, carrying_what_fits
 from .other_wrenches import pulled_as_fits

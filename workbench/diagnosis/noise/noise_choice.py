@@ -24,8 +24,8 @@ from ...identification.noise import (
 )
 from ...identification.repeats import repeat_groups, within
 from ...robot.kinematics import Array
+from ..found import Noise
 from ..priors import PRIORS
-from ..result import Noise
 from .distances import Shown, shown_by_distances
 from .likeliest import with_more
 from .six_dof import of_poses, of_repeats

@@ -11,8 +11,8 @@ from ...effects.base import Effect
 from ...identification.fit import Fit, fit, refit
 from ...identification.heldout import heldout
 from ...robot.kinematics import Array
+from ..found import GIVEN, NAMELESS, PoseErrors, Stage
 from ..prepared import Prepared
-from ..result import GIVEN, NAMELESS, PoseErrors, Stage
 
 Group = tuple[Effect, list[int]]  # an accepted cause, and which of the fit's effects are its parts
 

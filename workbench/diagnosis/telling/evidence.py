@@ -8,7 +8,7 @@ from ...effects.base import Effect
 from ...effects.unnamed import Unnamed
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
-from ..result import Evidence
+from ..found import Evidence
 
 FAINTEST = 1e-6  # share of its largest size below which an effect says nothing of a pose
 CURVE = 40  # points of the curve of a function without a name, each a mean over poses near by

@@ -9,8 +9,8 @@ from ...campaign.problem import Problem
 from ...effects.place import Parameter
 from ...identification.fit import Fit
 from ...identification.own_base import own_base
+from ..found import OfCampaign
 from ..prepared import Prepared
-from ..result import OfCampaign
 from .in_the_model import what_the_model_has
 
 ALIKE = 1.05  # times: noises of set-ups that differ by less are one

@@ -7,19 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ... import __version__
 from ...campaign import Campaign
 from ...campaign.problem import REFERENCE_TEMPERATURE, Problem
 from ...effects import catalogue, separation_beside
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Parameter
+from ...files.version import version
 from ...identification.fit import Fit, fit
 from ...identification.heldout import heldout
 from ...robot.kinematics import Array
 from ..data_faults.rounded_joints import rounded_joints
+from ..found import Detectable, Finding, GivenFact, NotTestable, Stage
 from ..prepared import Prepared
 from ..priors import PRIORS
-from ..result import Detectable, Diagnosis, Finding, GivenFact, NotTestable, Stage
+from ..result import Diagnosis
 from ..search.competition import SHOWS, Selection
 from ..search.stages import geometry_alone, pose_errors, rms_mm, stages_of
 from ..weighing.components import bare, with_companions
@@ -108,7 +109,7 @@ def assemble(parts: Parts) -> Diagnosis:
         facts=facts(problem, final),
         campaigns=of_campaigns(prepared, alone, final),
         errors=pose_errors(prepared, alone, final),
-        version=__version__,
+        version=version(),
         inputs=c.files,
     )
 

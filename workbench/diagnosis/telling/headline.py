@@ -10,9 +10,10 @@ import numpy as np
 from ...effects import called
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
+from ..found import FaultFound, Finding, GivenFact, Noise, Rival, Stage
 from ..prepared import Prepared
 from ..priors import PRIORS
-from ..result import FaultFound, Finding, GivenFact, Noise, Rival, Stage, Verdict
+from ..result import Verdict
 from ..search.worth import FAINT
 from ..weighing.remainder import GLOBAL_LEVEL, Remainder
 

@@ -14,9 +14,9 @@ from ...effects.unnamed import Unnamed
 from ...identification.fit import Fit
 from ...identification.noise import Covariance
 from ...robot.kinematics import Array
+from ..found import Finding, Rival
 from ..noise.scatter import chi2_of_joints
 from ..priors import PRIORS
-from ..result import Finding, Rival
 from ..search.competition import Selection
 from ..weighing.chosen import Shares
 from ..weighing.components import Component

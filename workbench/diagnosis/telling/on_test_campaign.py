@@ -22,7 +22,7 @@ from ...identification.plausible.misfit import USUAL
 from ...identification.registration import register, spread_of
 from ...robot.kinematics import Array
 from ..data_faults.wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
-from ..result import FaultFound, TestFigures
+from ..found import FaultFound, TestFigures
 from .remarks_on_test import beyond_measured, elsewhere, nothing_new, worse
 
 TEST = "of the test"  # a set-up that nobody named

@@ -14,7 +14,7 @@ from ...effects.place import Where
 from ...identification.fit import Fit
 from ...robot.kinematics import RZ, Array
 from ..candidates import ways_to_wander
-from ..result import Detectable, NotTestable
+from ..found import Detectable, NotTestable
 from ..weighing.screen import FAINT, SURVIVES, effective_dof, shown
 
 POWER = 0.8

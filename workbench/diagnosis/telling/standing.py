@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...effects.base import UNKNOWN, Effect
+from ..found import Rival
 from ..priors import PRIORS
-from ..result import Rival
 from ..search.competition import Selection
 from ..weighing.chosen import Shares
 from ..weighing.components import Component, bare

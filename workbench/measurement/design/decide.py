@@ -12,7 +12,7 @@ from shlex import quote
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...diagnosis.result import Decision, Finding
+from ...diagnosis.found import Decision, Finding
 from ...diagnosis.run import Outcome
 from ...diagnosis.telling.headline import listed, words_of
 from ...effects import separation_beside, without_reflectors

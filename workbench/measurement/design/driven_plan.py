@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
-from ...diagnosis.result import FaultFound
+from ...diagnosis.found import FaultFound
 from ..driving.block import Drive
 from ..driving.reach import Reach
 

@@ -11,10 +11,9 @@ import numpy as np
 
 from ...campaign import Campaign
 from ...campaign.cell import CellData
-from ...campaign.known import with_known
 from ...campaign.payloads import payload
 from ...correction.programs.measuring import DWELL_S
-from ...diagnosis.result import Decision
+from ...diagnosis.found import Decision
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ..driving.drive import NoWay, drive
@@ -105,7 +104,7 @@ def plan(
 def _prior(source: Campaign | Robot, tell: str | None, known: Sequence[str]) -> PriorInformation:
     """What is known of a campaign's robot, or of one that was not measured."""
     if isinstance(source, Campaign):
-        return from_campaign(with_known(source, known), partial(found_by, tell))
+        return from_campaign(source.with_known(known), partial(found_by, tell))
     return from_robot(source, known)
 
 

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign import Campaign, drive_torque
-from ...campaign.known import with_known
+from ...campaign.drives import ACCURACY
 from ...campaign.payloads import with_payloads
 from ...campaign.planned import TARGETS, planned
 from ...campaign.problem import Problem, problem_of
 from ...campaign.reflectors import place_of, with_reflectors
+from ...diagnosis.found import FaultFound
 from ...diagnosis.prepared import Prepared, prepare
-from ...diagnosis.result import FaultFound
 from ...effects.base import Effect
 from ...effects.given import Given, exclusions, given_facts, may_be
 from ...effects.records import stated_effects
@@ -192,9 +192,9 @@ class PriorInformation:
             typical = np.array([p.typical for p in effect.params])
             arm, loads = effect.apply(problem, problem.arm, problem.loads, typical)
             torque = torque + np.abs(own(wrenches(arm, problem.rigid, loads).local - nominal))
-        alone = np.hypot(drive_torque.ACCURACY * np.abs(stated).max(axis=0), least)
+        alone = np.hypot(ACCURACY * np.abs(stated).max(axis=0), least)
         believed = drive_torque.shown(alone, np.hypot(alone, stated.std(axis=0)))
-        return np.where(believed, np.hypot(drive_torque.ACCURACY * torque.max(axis=0), least), np.inf)
+        return np.where(believed, np.hypot(ACCURACY * torque.max(axis=0), least), np.inf)
 
     def of_predictions(self, records: Campaign, effects: ValuedEffects) -> Array:
         """(D0, P) rows [m] of poses that will have to be right, by the names of `of_records`: what the
@@ -266,7 +266,7 @@ def from_robot(robot: Robot, known: Sequence[str] = ()) -> PriorInformation:
     loads = {name: stated_load(load) for name, load in robot.payloads.items() if on in ("", name)}
     blank = planned(robot, q, payloads=loads, payload=[on], tool=stated_load(robot.tool))
     blank = replace(blank, mounted=on)
-    nothing = problem_of(with_known(blank, known))
+    nothing = problem_of(blank.with_known(known))
     given = given_facts(nothing)
     joint = np.array([item.data.repeatability or 0.0 for item in robot.joints])
     noise = f"{1e3 * ASSUMED_SIGMA:.3f} mm per axis assumed, and the joints' repeatability as stated"

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ...campaign.planned import joint_ranges
 from ...campaign.problem import Problem
-from ...diagnosis.result import Finding
+from ...diagnosis.found import Finding
 from ...diagnosis.run import Outcome
 from ...diagnosis.weighing.components import Key, at_once, by_key, log_odds_of, with_companions
 from ...diagnosis.weighing.stand_ins import times_too_sure

@@ -127,4 +127,4 @@ def largest_torque(problem: Problem, joint: int) -> float:
 
 def axial_torque(problem: Problem) -> Array:
     """(N, n) torques [N·m, N] of the joints, arm and loads as stated."""
-    return problem.arm.own(problem.nominal_load.local)
+    return problem.nominal_torque

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from ...campaign import Campaign
-from ...diagnosis.result import Finding, Rival
+from ...diagnosis.found import Finding, Rival
 from ...diagnosis.run import Outcome, diagnose
 from ...diagnosis.telling.on_test_campaign import test_figures
 from ...effects.base import UNKNOWN, Effect

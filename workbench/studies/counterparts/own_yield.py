@@ -52,6 +52,6 @@ class OwnYield(DirectEffect):
 
 def torque(problem: Problem) -> Array:
     """(N, n) [N·m, N] of the joints: sensed, or of gravity where no sensor was read."""
-    gravity = problem.arm.own(problem.nominal_load.local)
+    gravity = problem.nominal_torque
     sensed = problem.campaign.poses.torque
     return gravity if sensed is None else np.where(np.isfinite(sensed), sensed, gravity)

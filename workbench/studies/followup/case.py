@@ -10,8 +10,9 @@ from zlib import crc32
 
 import numpy as np
 
-from ...campaign import Campaign, drive_torque
-from ...diagnosis.result import Decision, Finding
+from ...campaign import Campaign
+from ...campaign.drives import ACCURACY
+from ...diagnosis.found import Decision, Finding
 from ...diagnosis.run import Outcome, diagnose
 from ...effects.base import UNKNOWN
 from ...measurement.design import follow_up, what_decides
@@ -115,7 +116,7 @@ def _measured(case: Case, records: Campaign, seed: int, torque: bool) -> Campaig
         truth,
         seed=seed,
         state_sigma=case.design.stated,
-        torque_sigma=drive_torque.ACCURACY if torque else None,
+        torque_sigma=ACCURACY if torque else None,
     )
 
 

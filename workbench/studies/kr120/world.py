@@ -90,7 +90,7 @@ def _stuck(plan: PairPlan, world: World) -> Array:
     """(C, 6) [rad] by which friction holds the gears back after loading: a play operator of width
     `friction`."""
     count, problem = plan.count, plan.problem
-    local = problem.arm.own(problem.nominal_load.local)
+    local = problem.nominal_torque
     change = local[count:] - local[:count]
     before = world.side * world.friction
     return np.asarray((np.clip(before - change, -world.friction, world.friction) - before) * world.k)
