@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames, frames
-from ..robot.rotations import body_jacobian, from_vectors, nearest_turn
+from ..robot.rotations import body_jacobian, from_vector, nearest_turn
 
 STATED_TARGET = 0.02  # m, how far a stated target may be off before the fit resists: a reflector and its nest
 UNKNOWN_TARGET = 1.0  # m, how far an unknown target may be from its frame
@@ -167,39 +168,43 @@ def _refine(
 ) -> Placed:
     """Gauss–Newton on frame, targets and scale with weights 1/misfit (robust), damped where a step would not
     mend: what poses do not determine (all on a line, a hand that never turns) goes nowhere."""
-    z, mask = np.where(seen.seen[..., None], seen.points, 0.0), seen.seen
+    of, pose = np.nonzero(seen.seen.T)
+    ends = np.searchsorted(of, np.arange(len(start) + 1))  # of the points of each target
+    axes, p, z = seen.R[pose, of], seen.p[pose, of], seen.points[pose, of]
     now = _Place(R, t, start.copy(), _size(seen) if free_scale else 1.0)
     hold = np.concatenate([np.full(6, 1e-9), np.repeat(prior, 3) ** -2.0, [0.0 if free_scale else 1e18]])
+    J = np.zeros((len(z), 3, len(hold)))
     misfit, damping = np.inf, 0.0
 
-    def left(points: Array) -> tuple[Array, Array]:
-        residual = np.where(mask[..., None], z - points, 0.0)
-        return residual, np.sqrt((residual**2).sum(axis=2))
-
     def cost(place: _Place, far: Array, scale: float) -> float:
-        return float(far[mask].sum() / scale + 0.5 * hold[6:-1] @ (place.targets - start).ravel() ** 2)
+        return float(far.sum() / scale + 0.5 * hold[6:-1] @ (place.targets - start).ravel() ** 2)
 
-    points = now.points(seen)
-    residual, length = left(points)
+    points = now.points(axes, p, of)
+    residual = z - points
+    length = _norm(residual)
     for iteration in range(rounds):
-        misfit, last = float(np.median(length[mask])) if mask.any() else 0.0, misfit
+        misfit, last = _median(length), misfit
         soft, scale = 1.5 * misfit + 1e-9, misfit + 1e-6
         far = np.hypot(length, soft)
         about = points - now.t
-        moved = frame_and_targets(about, now.size * now.R @ seen.R)
-        flat = np.concatenate([moved, about[..., None]], axis=3).reshape(-1, len(hold))
-        pull = flat.T * np.repeat(mask / far / scale, 3)
+        J[..., :6], J[..., -1] = body_jacobian(about), about
+        turned = now.size * now.R @ axes
+        for i, (begin, end) in enumerate(pairwise(ends)):
+            J[begin:end, :, 6 + 3 * i : 9 + 3 * i] = turned[begin:end]
+        flat = J.reshape(-1, len(hold))
+        pull = flat.T * np.repeat(1.0 / far / scale, 3)
         A, g = pull @ flat, pull @ residual.ravel()
         A.flat[:: len(hold) + 1] += hold
         g[6:-1] -= hold[6:-1] * (now.targets - start).ravel()
         least, step = cost(now, far, scale), np.zeros(len(g))
         while damping <= MOST_DAMPED:
-            step = np.linalg.solve(A + np.diag(damping * np.diag(A)) if damping else A, g)
+            step = np.asarray(np.linalg.solve(A + np.diag(damping * np.diag(A)) if damping else A, g), float)
             then = now.moved(step)
-            there = then.points(seen)
-            off = left(there)
-            if cost(then, np.hypot(off[1], soft), scale) <= least:
-                now, points, (residual, length) = then, there, off
+            there = then.points(axes, p, of)
+            off = z - there
+            off_by = _norm(off)
+            if cost(then, np.hypot(off_by, soft), scale) <= least:
+                now, points, residual, length = then, there, off, off_by
                 damping = 0.1 * damping if damping > LEAST_DAMPED else 0.0
                 break
             damping = max(LEAST_DAMPED, 10.0 * damping)
@@ -207,10 +212,24 @@ def _refine(
         if arrived or (iteration > 15 and misfit > 0.999 * last):
             break
     every = np.asarray(np.isfinite(seen.points).all(axis=2))
-    gap = np.clip(np.where(every[..., None], seen.points, np.nan) - points, -1e100, 1e100)
-    length = np.linalg.norm(gap, axis=2)
-    middle = float(np.median(length[mask])) if mask.any() else 0.0
-    return Placed(now.R, now.t, now.targets, now.size, length, middle)
+    there = now.points(seen.R, seen.p, np.arange(len(start)))
+    gap = np.clip(np.where(every[..., None], seen.points, np.nan) - there, -1e100, 1e100)
+    return Placed(now.R, now.t, now.targets, now.size, np.linalg.norm(gap, axis=2), _median(length))
+
+
+def _norm(vectors: Array) -> Array:
+    """(M,) lengths of (M, 3)."""
+    return np.asarray(np.sqrt(np.einsum("mi,mi->m", vectors, vectors)))
+
+
+def _median(values: Array) -> float:
+    """Of (M,) finite values, 0 of none (five times as fast as NumPy's)."""
+    half = len(values) // 2
+    if not len(values):
+        return 0.0
+    if len(values) % 2:
+        return float(np.partition(values, half)[half])
+    return float(0.5 * np.partition(values, (half - 1, half))[half - 1 : half + 1].sum())
 
 
 def frame_and_targets(about: Array, axes: Array) -> Array:
@@ -233,15 +252,16 @@ class _Place:
     targets: Array
     size: float
 
-    def points(self, seen: Sight) -> Array:
-        """(N, T, 3) [m] where the instrument would see them."""
-        local = seen.p + np.einsum("ntij,tj->nti", seen.R, self.targets)
+    def points(self, axes: Array, p: Array, of: NDArray[np.int64]) -> Array:
+        """(..., 3) [m] where the instrument would see the targets `of` (...) behind frames `axes`
+        (..., 3, 3), p (..., 3) [m]."""
+        local = p + (axes @ self.targets[of][..., None])[..., 0]
         return np.asarray(self.size * local @ self.R.T + self.t)
 
     def moved(self, step: Array) -> _Place:
         """After a step (7 + 3 T,): translation [m], rotation [rad], targets [m], logarithm of the size."""
         return _Place(
-            from_vectors(step[3:6]) @ self.R,
+            from_vector(step[3:6]) @ self.R,
             self.t + step[:3],
             self.targets + step[6:-1].reshape(-1, 3),
             self.size * float(np.exp(np.clip(step[-1], -1.0, 1.0))),
