@@ -20,7 +20,7 @@ GOOD = 0.02  # of the spread of the points: with a smaller misfit no other start
 STILL = 1e-5  # m, rad: a step below which a registration, a place to start from, has arrived
 ROUGHLY = 8  # iterations from each of many directions, of which the
 PROMISING = 4  # best are followed to the end
-LEAST_DAMPED, MOST_DAMPED = 1e-8, 1e4  # of the diagonal, what damps a step that would not mend
+LEAST_DAMPED, MOST_DAMPED = 1e-3, 1e4  # of the diagonal, what damps a step that would not mend
 FAR = 50.0  # times the usual distance from the middle: farther points are not looked at
 
 
@@ -142,8 +142,8 @@ def _kabsch(seen: Sight, targets: Array) -> tuple[Array, Array]:
     R = np.eye(3)
     for _ in range(5):
         R = nearest_turn(a - ca, weight[:, None] * (b - cb))
-        off = np.linalg.norm(b - cb - (a - ca) @ R.T, axis=1)
-        weight = 1 / (off + np.median(off) + 1e-9)
+        off = _norm(b - cb - (a - ca) @ R.T)
+        weight = 1 / (off + _median(off) + 1e-9)
         weight /= weight.sum()
         ca, cb = weight @ a, weight @ b
     return R, cb - R @ ca
@@ -206,6 +206,8 @@ def _refine(
             if cost(then, np.hypot(off_by, soft), scale) <= least:
                 now, points, residual, length = then, there, off, off_by
                 damping = 0.1 * damping if damping > LEAST_DAMPED else 0.0
+                break
+            if float(np.abs(step).max()) < STILL:
                 break
             damping = max(LEAST_DAMPED, 10.0 * damping)
         arrived = damping > MOST_DAMPED or float(np.abs(step).max()) < STILL

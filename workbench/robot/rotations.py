@@ -113,7 +113,9 @@ def angle_between(A: Array, B: Array) -> Array:
 def nearest_turn(a: Array, b: Array) -> Array:
     """(3, 3) that turns points a (M, 3) about zero onto b as well as any (Kabsch's)."""
     u, _, vt = np.linalg.svd(b.T @ a)
-    return np.asarray(u @ np.diag([1.0, 1.0, np.linalg.det(u) * np.linalg.det(vt)]) @ vt)
+    if np.linalg.det(u @ vt) < 0:
+        u[:, 2] *= -1
+    return np.asarray(u @ vt)
 
 
 def cross(a: Array, b: Array) -> Array:
