@@ -75,25 +75,23 @@ class Competition:
         return float(prior - 0.5 * chosen.log_determinant)
 
     def best(self, before: Sequence[str] = ()) -> list[Member]:
-        """The best of three searches: everything at once; causes first, then everything; and what yields
-        first, which one load hardly tells from heavier masses and stiffer joints elsewhere; and of a fourth
-        without what is alike in all joints, where they found that. Where a set was
-        found before (labels of its components), the search goes on from there. In the order of the
+        """The best of several searches: everything at once; causes first, then everything; what yields
+        first, which one load hardly tells from heavier masses and stiffer joints elsewhere; both without
+        what is alike in all joints, where they found that. Where a set was found before (labels of its
+        components), the search goes on from there, and from what yields. In the order of the
         components: two searches that end at one set are one, and what follows does not hang on rounding.
         What is certain to be there is in every set, and left out at the end where it shows nothing."""
         everything = np.ones(len(self.components), bool)
-        if before:
-            return self._showing(self._settled(self.search(self._again(before), everything)))
         causes = np.array([not c.nameless or c.certain for c in self.components], bool)
+        apart = np.array([k not in self._either for k in range(len(self.components))], bool)
         yields = np.array([c.yields or c.certain for c in self.components], bool)
         there = self._again([])
-        found = [self.search(there, everything)]
-        for some in (causes, yields):
+        found = [self.search(self._again(before) if before else there, everything)]
+        for some in (yields & apart,) if before else (causes, yields, yields & apart):
             if not all(some[m.component] for m in found[0]) and (begun := self.search(there, some)) != there:
                 found.append(self.search(begun, everything))
-        if any(m.component in self._either for members in found for m in members):
-            some = np.array([k not in self._either for k in range(len(self.components))])
-            found.append(self.search(self.search(there, some), everything))
+        if not before and any(m.component in self._either for members in found for m in members):
+            found.append(self.search(self.search(there, apart), everything))
         return self._showing(self._settled(max(map(self._in_order, found), key=self.score)))
 
     def _showing(self, members: list[Member]) -> list[Member]:
@@ -108,11 +106,11 @@ class Competition:
         return self._in_order(members)
 
     def _settled(self, members: list[Member]) -> list[Member]:
-        """A set in which no two components are likelier in the place of one, and no one in the place of two:
-        else the search goes on."""
+        """A set in which no two components are likelier in the place of one, no one in the place of two, and
+        not some joints in the place of all alike, nor these in theirs: else the search goes on."""
         everything = np.ones(len(self.components), bool)
         for _ in range(EXCHANGES):
-            better = self.split(members) or self.merged(members)
+            better = self.split(members) or self.merged(members) or self._clearly_otherwise(members)
             if better is None:
                 break
             before, members = members, self.search(better, everything)
@@ -189,6 +187,28 @@ class Competition:
             two = [member.component for member in pair]
             if there >= {*two} and not any(self.components[k].nameless for k in two):
                 yield two[0], min(self.score(new) - now, 0.0)
+
+    def _otherwise(self, members: Sequence[Member]) -> Iterator[tuple[dict[int, int], list[Member]]]:
+        """Sets with what is alike in all joints instead of several that have it, or several instead of all
+        alike; and of the members that this is about what would then be in their places."""
+        for k, parts in self._either.items():
+            own = [m.component for m in members if m.component == k or m.component in parts]
+            if not own or (len(own) == 1 and own != [k]):
+                continue
+            others = [m for m in members if m.component not in own]
+            among = self._only(*others)
+            among[list(parts) if own == [k] else k] = True
+            new = self.search(others, among)
+            instead = [i for i, m in enumerate(new) if m.component not in {o.component for o in others}]
+            if instead:
+                chosen = Chosen(self.reduced, new)
+                first = min(instead, key=chosen.explained_without)
+                yield dict.fromkeys(own, new[first].component), new
+
+    def _clearly_otherwise(self, members: Sequence[Member]) -> list[Member] | None:
+        """The set as `_otherwise` has it, where that is likelier; None where it is not."""
+        now = self.score(members) + CLEARLY
+        return next((new for _, new in self._otherwise(members) if self.score(new) > now), None)
 
     @staticmethod
     def _in_order(members: list[Member]) -> list[Member]:
@@ -299,7 +319,8 @@ class Competition:
         """
         out = []
         chosen, stand_ins = Chosen(self.reduced, members), StandIns(self.forms, self.components)
-        strongest = self._strongest(chosen)
+        strongest, now = self._strongest(chosen), self.score(members)
+        otherwise = [(of, self.score(new) - now) for of, new in self._otherwise(members)]
         anyway = {k: max(w.log_odds, 0.0) for k, w in self.beside(chosen).items()}
         least = np.array([anyway[k] + self.components[k].log_odds + EXPLAINS for k in anyway])
         most = self.forms.most(chosen, list(anyway), range(len(members))) if members else np.zeros((0, 0))
@@ -319,11 +340,11 @@ class Competition:
                     logs[k] = value
             believed: Shares = {None: 0.0}
             believed.update(stand_ins.believed(chosen, i, weights, logs).items())
-            if i in strongest:
-                for k, value in self._two_causes(members, i):
-                    believed[k] = float(
-                        np.logaddexp(believed.get(k, -np.inf), logs[member.component] + value)
-                    )
+            own = member.component
+            several = [*self._two_causes(members, i)] if i in strongest else []
+            several += [(of[own], min(value, 0.0)) for of, value in otherwise if own in of]
+            for k, value in several:
+                believed[k] = float(np.logaddexp(believed.get(k, -np.inf), logs[own] + value))
             top = max(believed.values())
             mass = {k: float(np.exp(v - top)) for k, v in believed.items()}
             total = sum(mass.values())
