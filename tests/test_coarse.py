@@ -12,7 +12,7 @@ from workbench.simulation.virtual_campaign import random_geometry
 PLAY = 12e-3  # rad
 
 
-def measured(name, seed, times, play=0.0, poses=120):
+def measured(name, seed, times, play=0.0, poses=70):
     """A campaign of an arm whose joints all err by maps of their own, `times` as large as usual, and whose
     third has a play, not the same all around."""
     robot = load_robot(name)

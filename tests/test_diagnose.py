@@ -200,7 +200,7 @@ def test_three_causes_at_once():
         ("gear_eccentricity", "shoulder_pan_joint"): "amplitude=8e-5,phase=1",
     }
     texts = tuple(f"{cause}:joint={joint},{values}" for (cause, joint), values in hidden.items())
-    diagnosis = sound(found(measured("ur5", effects=texts, loads=(3.0,))))
+    diagnosis = sound(found(measured("ur5", effects=texts, loads=(3.0,), poses=40)))
     assert named(diagnosis) == dict.fromkeys(hidden, "named")
     assert len(diagnosis.stages) == 5
 
@@ -255,7 +255,7 @@ def product(job):
     ],
 )
 def test_what_no_cause_explains_is_unknown(name, load, stated):
-    diagnosis = sound(found(measured(name, joints=product, loads=(load,), state_sigma=stated)))
+    diagnosis = sound(found(measured(name, joints=product, loads=(load,), state_sigma=stated, poses=40)))
     assert diagnosis.verdict == "unknown"
     assert "named" not in named(diagnosis).values()
     (unknown,) = (finding for finding in diagnosis.causes if finding.cause == "unknown")
@@ -484,7 +484,7 @@ def test_drives_that_warm_up_are_no_drift_of_the_base(seed):
         share = (problem.time - problem.time.min()) / np.ptp(problem.time)
         return np.outer(1 - (1 + share / 0.1) ** -1.5, way)
 
-    diagnosis = sound(found(measured("kr500", joints=warms_up, time=60.0 * np.arange(120))))
+    diagnosis = sound(found(measured("kr500", joints=warms_up, time=90.0 * np.arange(80), poses=40)))
     assert "drift" not in {cause for cause, _ in named(diagnosis)}
     (unknown,) = (finding for finding in diagnosis.causes if finding.cause == "unknown")
     assert unknown.structure.startswith("depends on time (the joints' zeros move)")

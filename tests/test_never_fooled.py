@@ -191,7 +191,7 @@ def test_a_noise_in_micrometres_is_told_before_and_after_the_fit(tmp_path):
 def test_points_in_inches_beside_a_campaign_in_millimetres_are_told_as_that(tmp_path):
     """Distances in them change by less than the noise in millimetres: no 6-D measurement for that."""
     rng = np.random.default_rng(11)
-    each = [measured("ur5", q=random_poses(robot("ur5"), 30, rng), loads=()) for _ in range(2)]
+    each = [measured("ur5", q=random_poses(robot("ur5"), 16, rng), loads=()) for _ in range(2)]
     each[1] = with_points(each[1], each[1].points / 25.4)
     each = [replace(one, noise_sigma=3e-4) for one in each]
     paths = [write_campaign(tmp_path / name, one) for name, one in zip("ab", each, strict=True)]

@@ -299,7 +299,7 @@ def test_points_of_another_scale_are_told_with_the_factor(scale):
 def held_in_sockets(coarse: float):
     """A ball at the hand, in one of three sockets 50 mm apart however the arm turns about it: points hardly
     spread, and what lengths and zeros are off by is as much, or a fifth of that."""
-    plan, rng = measured("ur5", poses=60, loads=(), targets=1), np.random.default_rng(5)
+    plan, rng = measured("ur5", poses=30, loads=(), targets=1), np.random.default_rng(5)
     job, ball = problem_of(plan), np.array([0.0, 0.0, 0.13])
     sockets = np.array([(0.45, 0.1, 0.2), (0.5, 0.1, 0.2), (0.475, 0.143, 0.2)])
 
