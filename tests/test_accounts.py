@@ -24,6 +24,7 @@ from workbench import (
     redrawn,
     tornado,
 )
+from workbench.simulation import processes
 from workbench.studies.account_tables import accounts_table, needs_table, odds_figure, odds_table
 from workbench.studies.accounts import Standing
 from workbench.studies.evidence import evidence
@@ -136,7 +137,9 @@ def row(_: Mapping[str, float], rng: np.random.Generator) -> dict[str, object]:
     return {"row": rng.normal(size=12)}
 
 
-def test_processes_and_a_stopped_run_change_nothing(tmp_path: Path) -> None:
+def test_processes_and_a_stopped_run_change_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    spawn_pool = processes.spawn_pool
+    monkeypatch.setattr(processes, "spawn_pool", lambda _: spawn_pool(1))
     run = StudyRun(tmp_path, seed=1, workers=1)
     alone = judge([NEAR, MOVED], [PAIR, SUM], 40, run, chunk=20)
     again = judge(

@@ -2,6 +2,9 @@
 
 import re
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
 
 import numpy as np
 import pytest
@@ -19,23 +22,24 @@ RATIO = "gear_ratio:joint=joint_3,relative=3e-4"
 STATED = 250.0  # kg
 
 
-def carried(tmp_path, *kg, name="kr500", effects=()):
+@cache
+def carried(*kg, name="kr500", effects=()):
     """Campaigns of one robot, of each half the poses without load and half with so much, `STATED` in all."""
     rng = np.random.default_rng(31)
-    paths = []
+    folder, paths = Path(mkdtemp()), []
     for k, mass in enumerate(kg):
         q = random_poses(robot(name), 25, rng)
         campaign = measured(name, effects, q=q, loads=(mass,), targets=3)
         stated = np.where(campaign.load_mass > 0, STATED, 0.0)
         points = campaign.points + np.array([1.0, -2.0, 0.5]) * k
         campaign = replace(campaign, title=f"c{k + 1}", load_mass=stated, points=points)
-        paths.append(write_campaign(tmp_path / f"c{k + 1}", campaign.some(np.arange(25, 50))))
+        paths.append(write_campaign(folder / f"c{k + 1}", campaign.some(np.arange(25, 50))))
     return paths
 
 
-def test_a_load_that_was_changed_is_told_with_its_size_and_hides_no_cause(tmp_path):
+def test_a_load_that_was_changed_is_told_with_its_size_and_hides_no_cause():
     """Not as a zero that moved, nor as a payload that is not as stated in all."""
-    first, second, other = carried(tmp_path, STATED, 330.0, STATED, effects=(RATIO,))
+    first, second, other = carried(STATED, 330.0, STATED, effects=(RATIO,))
     found = diagnose([first, second], test=other).diagnosis
     (fault,) = found.faults
     assert (fault.kind, fault.pose_id) == ("changed_load", "c2/26")
@@ -48,21 +52,21 @@ def test_a_load_that_was_changed_is_told_with_its_size_and_hides_no_cause(tmp_pa
     assert found.test.after_rms_mm == pytest.approx(3**0.5 * 0.03, rel=0.15)
 
 
-def test_poses_of_a_campaign_with_another_load_are_no_outliers(tmp_path):
-    paths = carried(tmp_path, STATED, 380.0, STATED)
+def test_poses_of_a_campaign_with_another_load_are_no_outliers():
+    paths = carried(STATED, 380.0, STATED)
     found = diagnose(paths).diagnosis
     assert [fault.kind for fault in found.faults] == ["changed_load"]
     assert found.verdict == "nothing_missing"
 
 
-def test_a_load_that_is_otherwise_than_stated_in_all_campaigns_was_not_changed(tmp_path):
-    found = diagnose(carried(tmp_path, 330.0, 330.0)).diagnosis
+def test_a_load_that_is_otherwise_than_stated_in_all_campaigns_was_not_changed():
+    found = diagnose(carried(330.0, 330.0)).diagnosis
     assert found.faults == ()
 
 
-def test_a_load_of_one_campaign_alone_is_the_payload(tmp_path):
+def test_a_load_of_one_campaign_alone_is_the_payload():
     """That is the cause with its name: there is nothing that it changed from."""
-    bare, loaded = carried(tmp_path, STATED, 330.0)
+    bare, loaded = carried(STATED, 330.0)
     without = load_campaign(bare)
     none = without.with_poses(payload=np.zeros(len(without.poses), dtype=np.int64))
     whole = problem_of(join([none, load_campaign(loaded)]))
@@ -70,8 +74,8 @@ def test_a_load_of_one_campaign_alone_is_the_payload(tmp_path):
 
 
 @pytest.mark.parametrize("values", [[90.0, 10.0, -5.0, 20.0], [-100.0, 2.0, 0.0, -10.0]])
-def test_a_load_as_carried_moves_the_arm_as_the_effect_has_it(tmp_path, values):
-    whole = problem_of(join([load_campaign(path) for path in carried(tmp_path, STATED, STATED)]))
+def test_a_load_as_carried_moves_the_arm_as_the_effect_has_it(values):
+    whole = problem_of(join([load_campaign(path) for path in carried(STATED, STATED)]))
     for effect in CarriedAnew.sites(whole):
         model = Model(whole, (effect,))
         there = model.predict(replace(model.in_base(), values=(np.array(values),)))
@@ -84,24 +88,24 @@ def test_a_load_as_carried_moves_the_arm_as_the_effect_has_it(tmp_path, values):
 
 
 @pytest.mark.parametrize(("kg", "told"), [(-260.0, False), (-251.0, True), (-240.0, True)])
-def test_no_arm_carries_less_than_nothing(tmp_path, kg, told):
-    whole = problem_of(join([load_campaign(path) for path in carried(tmp_path, STATED, STATED)]))
+def test_no_arm_carries_less_than_nothing(kg, told):
+    whole = problem_of(join([load_campaign(path) for path in carried(STATED, STATED)]))
     moved = np.array([kg, *(kg * whole.campaign.load_com[1])])
     was = CarriedAnew.sites(whole)[0].as_it_was(whole, moved, np.ones(4))
     assert (was is not None) == told
 
 
 @pytest.mark.parametrize(("kg", "moment", "std"), [(-240.0, 0.0, 1.0), (30.0, 400.0, 2.0)])
-def test_no_load_is_mounted_metres_away(tmp_path, kg, moment, std):
+def test_no_load_is_mounted_metres_away(kg, moment, std):
     """A first moment that only such a load would have is something else."""
-    whole = problem_of(join([load_campaign(path) for path in carried(tmp_path, STATED, STATED)]))
+    whole = problem_of(join([load_campaign(path) for path in carried(STATED, STATED)]))
     values = np.array([kg, moment, 0.0, 0.0])
     assert CarriedAnew.sites(whole)[0].as_it_was(whole, values, np.full(4, std)) is None
 
 
 @pytest.mark.parametrize(("std", "said"), [(2.0, True), (300.0, False)])
-def test_a_centre_that_the_data_do_not_show_stays_where_it_is_stated(tmp_path, std, said):
-    whole = problem_of(join([load_campaign(path) for path in carried(tmp_path, STATED, STATED)]))
+def test_a_centre_that_the_data_do_not_show_stays_where_it_is_stated(std, said):
+    whole = problem_of(join([load_campaign(path) for path in carried(STATED, STATED)]))
     stated = whole.campaign.load_com[1]
     kg = 60.0
     moved = np.array([kg, *(kg * stated + [90.0, -60.0, 30.0])])  # 0.29, 0.19, 0.1 m away
@@ -116,8 +120,8 @@ def test_a_centre_that_the_data_do_not_show_stays_where_it_is_stated(tmp_path, s
         assert np.linalg.norm(away) < 0.01
 
 
-def test_an_arm_that_carries_nothing_as_stated_is_as_stated(tmp_path):
-    loaded = [load_campaign(path) for path in carried(tmp_path, STATED, STATED)]
+def test_an_arm_that_carries_nothing_as_stated_is_as_stated():
+    loaded = [load_campaign(path) for path in carried(STATED, STATED)]
     bare = loaded[0].with_poses(payload=np.zeros(len(loaded[0].poses), dtype=np.int64))
     whole = problem_of(join([bare, loaded[1]]))
     (effect,) = CarriedAnew.sites(whole)
@@ -131,9 +135,9 @@ def test_set_ups_of_a_single_campaign_are_one_load():
     assert not CarriedAnew.sites(problem_of(setups))
 
 
-def test_what_is_of_one_campaign_alone_is_told_by_its_name(tmp_path):
+def test_what_is_of_one_campaign_alone_is_told_by_its_name():
     """Poses, noise and what is left by set-up; a plan measures the targets that are mounted now."""
-    first, second = (load_campaign(path) for path in carried(tmp_path, STATED, STATED))
+    first, second = (load_campaign(path) for path in carried(STATED, STATED))
     moved = tuple(replace(t, xyz=tuple(np.add(t.xyz, 0.03))) for t in second.targets)
     rng = np.random.default_rng(4)
     points = second.points + 9e-5 * rng.normal(size=second.points.shape)

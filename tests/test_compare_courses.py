@@ -39,19 +39,23 @@ def levels_of(comparison: Comparison) -> dict[str, float]:
 def test_a_zero_that_held_and_then_crept_has_its_levels_and_nothing_stands_in_for_it():
     """Evenly over all campaigns was the only creeping there was: it was found first, and a gear's error and
     a step stood for the difference."""
-    course = (0, 0, 4e-5, 1.1e-4, 1.5e-4)
+    course = (0, 4e-5, 1.1e-4, 1.5e-4)
     comparison = joint_2_over_time(*course)
     found = levels_of(comparison)
     assert only(comparison).label == "joint_2 zero"
     true = dict(zip(comparison.campaigns[1:], course, strict=True))
-    assert {*found} == {*comparison.campaigns[3:]}
+    assert {*found} == {*comparison.campaigns[2:]}
     assert all(abs(found[label] - true[label]) < 1.5e-5 for label in found)
 
 
 def test_a_zero_that_wanders_is_one_change_with_a_level_at_each_campaign():
     course = (1e-4, -5e-5, 1.2e-4, 5e-5)
     comparison = joint_2_over_time(*course)
-    assert (only(comparison).label, only(comparison).course) == ("joint_2 zero", "levels")
+    change = only(comparison)
+    assert (change.label, change.course) == ("joint_2 zero", "levels")
+    (largest,) = change.parameters
+    assert largest.value == max(numbers[0].value for _, numbers in change.levels)
+    assert "joint_2 zero moved more than once, against the first by 0." in comparison.headline
     found = levels_of(comparison)
     assert np.allclose([found[label] for label in comparison.campaigns[1:]], course, atol=2e-5)
 
@@ -66,6 +70,7 @@ def test_creeping_is_told_with_its_first_campaign():
     since, last = comparison.campaigns[2:]
     assert comparison.headline.startswith(f"joint_4 zero crept evenly since {since}, by 0.")
     assert f" mrad up to {last}; everything else" in comparison.headline
+    assert said_of(comparison)["changes"][0]["when"].startswith("evenly since")
 
 
 def test_columns_of_any_course_make_a_level_at_each_occasion():

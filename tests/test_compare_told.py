@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_compare import JOINT_3_ZERO, POSES, SIGMA, before, measured, only, robot, within
+from test_compare import JOINT_3_ZERO, POSES, SIGMA, before, measured, nothing, only, robot, within
 
 from workbench import (
     Truth,
@@ -142,13 +142,16 @@ def test_what_is_known_not_to_be_there_is_no_change_and_no_rival():
     assert sum("given and kept to" in note for note in told.notes) == 2
 
 
-def test_a_mass_that_was_read_is_kept_to_where_it_is_said_of_every_campaign(tmp_path, capsys):
+def test_a_mass_that_was_read_is_kept_to_where_it_is_said_of_every_campaign():
     pair, _ = leaked()
     facts = ["link_mass:link=link_2,mass=0,std=0", "link_mass:link=link_3,mass=0,std=0"]
     change = only(compare(pair, known=facts))
     assert change.cause == "gravity_compensator"
     assert change.probability > max((r.probability for r in change.rivals), default=0.0) + 0.9
-    paths = [str(write_campaign(tmp_path / f"{n}", c)) for n, c in enumerate(pair)]
+
+
+def test_what_is_said_of_one_campaign_alone_is_not_used(tmp_path, capsys):
+    paths = [str(write_campaign(tmp_path / f"{n}", c)) for n, c in enumerate((before(), measured(2)))]
     with open(paths[1], "a", encoding="utf-8") as after:
         after.write('[known]\nexclude = ["link_mass"]\n')
     main(["compare", *paths])
@@ -158,7 +161,7 @@ def test_a_mass_that_was_read_is_kept_to_where_it_is_said_of_every_campaign(tmp_
 
 
 def test_a_fact_that_the_data_of_a_campaign_refute_is_told_and_not_kept_to():
-    pair, plain = leaked()
+    pair, plain = [before(), measured(2)], nothing()
     fact = "joint_compliance:joint=joint_3,relative={},std=0"
     kept, refuted = (compare(pair, known=[fact.format(relative)]) for relative in (0, 0.2))
     assert all("given and kept to" in note for note in kept.notes)

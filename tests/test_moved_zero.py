@@ -1,7 +1,11 @@
-"""A robot that was mastered anew between campaigns that are fitted as one: told, taken out, no cause."""
+"""A robot that was mastered anew between campaigns that are fitted as one, or a scale that is another: told,
+with its size, taken out, no cause."""
 
 import re
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
 
 import numpy as np
 import pytest
@@ -36,10 +40,18 @@ def of_one_robot(tmp_path, zero, name="ur5", effects=(RUN_OUT,), q=None, poses=4
     return paths
 
 
+@cache
+def last_alone(poses):
+    """What the second campaign of one robot says by itself: its zeros are those of any first."""
+    _, second, other = of_one_robot(Path(mkdtemp()), [0.0] * 6, poses=poses)
+    return diagnose(second, test=other).diagnosis
+
+
 def test_a_zero_that_moved_is_told_with_its_size_and_hides_no_cause(tmp_path):
     """The corrected robot is the one of the last campaign."""
     zero = [0.0, 0.0, 0.0, 1.5e-3, 0.0, 0.0]
     first, second, other = of_one_robot(tmp_path, zero, poses=25)
+    alone = last_alone(25)
     found = diagnose([first, second], test=other).diagnosis
     (fault,) = [one for one in found.faults if one.kind == "moved_zero"]
     size, error = (
@@ -49,9 +61,29 @@ def test_a_zero_that_moved_is_told_with_its_size_and_hides_no_cause(tmp_path):
     assert size == pytest.approx(1500, abs=4 * error)
     assert error < 30
     assert fault.what in found.headline
-    alone = diagnose(second, test=other).diagnosis
     assert set(named(found)) == set(named(alone)) == {("gear_eccentricity", "elbow_joint")}
     assert found.test.after_rms_mm < 1.05 * alone.test.after_rms_mm
+
+
+def scaled(path, folder, times):
+    """The campaign with all points that many times as far from the instrument."""
+    campaign = load_campaign(path)
+    return write_campaign(folder, replace(campaign, points=times * campaign.points))
+
+
+@pytest.mark.parametrize(("ppm", "poses"), [(150, 25), pytest.param(-60, 40, marks=pytest.mark.slow)])
+def test_a_scale_that_is_another_is_told_with_its_size_and_hides_no_cause(tmp_path, ppm, poses):
+    first, second, other = of_one_robot(tmp_path, [0.0] * 6, poses=poses)
+    found = diagnose([scaled(first, tmp_path / "scaled", 1 + 1e-6 * ppm), second], test=other).diagnosis
+    (fault,) = found.faults
+    assert fault.kind == "changed_scale"
+    size, error = (float(v) for v in re.findall(r"(\d+(?:\.\d+)?) ppm", fault.what))
+    assert size == pytest.approx(abs(ppm), abs=3 * error)
+    assert error < 15
+    assert ("longer" if ppm > 0 else "shorter") in fault.what
+    assert fault.what in found.headline
+    assert set(named(found)) == {("gear_eccentricity", "elbow_joint")}
+    assert found.test.after_rms_mm < 1.05 * last_alone(poses).test.after_rms_mm
 
 
 def test_of_many_small_campaigns_those_before_the_crash_are_told(tmp_path):
@@ -69,6 +101,7 @@ def test_campaigns_of_one_robot_have_no_zero_that_moved(tmp_path):
     found = diagnose(paths[:2]).diagnosis
     assert found.faults == ()
     assert found.verdict == "nothing_missing"
+    assert not any("`workbench compare`" in note for note in found.notes)
 
 
 def test_a_wrong_ratio_seen_over_half_the_range_in_each_campaign_is_no_zero_that_moved(tmp_path):

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import types
 from pathlib import Path
 
 import pytest
@@ -47,20 +48,43 @@ run_study(study)
         (["--out", "taken"], 2, "is a file, not a folder"),
     ],
 )
-def test_a_script_of_one_s_own_ends_as_a_command_does(tmp_path, given, status, said):
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine/study.py").write_text(SCRIPT)
-    (tmp_path / "taken").write_text("mine")
+def test_a_script_of_one_s_own_ends_as_a_command_does(tmp_path, monkeypatch, capsys, given, status, said):
+    mine(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["mine/study.py", *given])
+    monkeypatch.setitem(sys.modules, "__main__", sys.modules["__main__"])  # which becomes the script
+    with pytest.raises(SystemExit) as ended:
+        as_main(tmp_path / "mine/study.py")
+    assert ended.value.code == status
+    assert said in "".join(capsys.readouterr())
+
+
+def mine(folder):
+    """A script of one's own in the folder, and a file."""
+    (folder / "mine").mkdir()
+    (folder / "mine/study.py").write_text(SCRIPT)
+    (folder / "taken").write_text("mine")
+
+
+def as_main(path):
+    """Runs a script here as `python` does: its module stays the main one, which `run_study` asks for."""
+    sys.modules["__main__"] = module = types.ModuleType("__main__")
+    module.__file__ = str(path)
+    exec(compile(path.read_text(), path, "exec"), vars(module))
+
+
+def test_a_script_that_is_interrupted_ends_its_process_with_130(tmp_path):
+    mine(tmp_path)
     done = subprocess.run(
-        [sys.executable, "mine/study.py", *given],
+        [sys.executable, "mine/study.py", "--seed", "1", "--out", "here", "--workers", "3"],
         capture_output=True,
         text=True,
         timeout=120,
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
     )
-    assert done.returncode == status, done.stderr
-    assert said in done.stdout + done.stderr
+    assert done.returncode == 130, done.stderr
+    assert "… here/draws 1 False 3 False\ninterrupted\n" in done.stderr
 
 
 def test_the_version_of_a_source_tree_is_what_it_says(tmp_path):

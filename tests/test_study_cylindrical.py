@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 from study_checks import captions_stand_alone, poses_are_counted
 
-from workbench import Truth, load_robot, planned, simulate
+from workbench import Truth, load_robot, path_shapes, planned, simulate
 from workbench.cli.main import main
 from workbench.report.study import Study
+from workbench.studies.cylindrical import study as cylindrical
 from workbench.studies.cylindrical.accounts import accounts, moved_out
-from workbench.studies.cylindrical.deflections import HAND_TARGETS, LENGTH, STROKE, pool
+from workbench.studies.cylindrical.deflections import CIRCLE_RADIUS, HAND_TARGETS, LENGTH, STROKE, pool
 from workbench.studies.cylindrical.headline import OF_DRAWS, draws
 from workbench.studies.cylindrical.printed import FORCE, TABLE_1
-from workbench.studies.cylindrical.study import IN_BASE
+from workbench.studies.cylindrical.study import CENTRE, IN_BASE
 from workbench.studies.running import run_published
 from workbench.studies.study_run import StudyRun
 
@@ -28,7 +29,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> Study:
-    (study,) = run_published(("cylindrical",), StudyRun(folder, quick=True, workers=1))
+    """With a tenth of the circle's samples."""
+    coarse = path_shapes.circle(CIRCLE_RADIUS, path_shapes.Run(path_shapes.work_frame(CENTRE), period=0.4))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cylindrical, "CIRCLE", coarse)
+        (study,) = run_published(("cylindrical",), StudyRun(folder, quick=True, workers=1))
     return study
 
 

@@ -18,6 +18,7 @@ from cases import LONG, QUICK, seeds  # noqa: E402
 from runner import run  # noqa: E402
 
 CASES, CHUNKS, DIAGNOSED = 2000, 8, 12
+WHOLE = {1083}  # is diagnosed to its end, which takes longer than its whole chunk: done with the last
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +30,8 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     "chunk", [pytest.param(n, marks=pytest.mark.slow) if n > 3 else n for n in range(CHUNKS)]
 )
 def test_spoilt_input_is_refused_in_words(tmp_path: Path, sound: dict[str, str], chunk: int) -> None:
-    ended = [run(number, sound, QUICK, tmp_path / "case") for number in range(chunk, CASES, CHUNKS)]
+    numbers = {*range(chunk, CASES, CHUNKS)} - WHOLE | (WHOLE if chunk == CHUNKS - 1 else set())
+    ended = [run(number, sound, QUICK, tmp_path / "case") for number in sorted(numbers)]
     assert [(one.number, one.wrong, one.said) for one in ended if one.wrong] == []
     assert {one.status for one in ended} == {"0", "2"}
 
