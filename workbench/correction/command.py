@@ -239,6 +239,7 @@ def compensate(
             *never_measured(trajectory),
             *_posture(trajectory, start),
             *_coarse(trajectory, speed, shares),
+            *_wound_up(trajectory, rest.q, direction),
         ),
         rounds=rest.rounds,
         trajectory=trajectory,
@@ -264,9 +265,32 @@ def _check_call(method: str, bandwidth_hz: float) -> None:
 
 def _behind_play(trajectory: Trajectory, q: Array, direction: Array) -> Array:
     """(N, n) joints on the arm's side of what depends on the side of approach: which way the arm goes."""
+    return q + _play(trajectory, q, direction)
+
+
+def _play(trajectory: Trajectory, q: Array, direction: Array) -> Array:
+    """(N, n) [rad, m] what the side of approach does to each joint."""
     ext, part = trajectory.extended, slice(0, len(q))
     play = ext.direct(ext.at(q, direction, part)) - ext.direct(ext.at(q, np.zeros_like(q), part))
-    return np.asarray(q + play.reshape(len(q), -1)[:, trajectory.nominal.axial])
+    return np.asarray(play.reshape(len(q), -1)[:, trajectory.nominal.axial])
+
+
+def _wound_up(trajectory: Trajectory, q: Array, direction: Array | None) -> Iterator[str]:
+    """A note on joints that turn round along the path: what the side of approach does is corrected at once,
+    and friction changes it over some of the way (Dahl 1968)."""
+    if direction is None:
+        return
+    play = np.abs(_play(trajectory, q, direction))
+    lever = np.concatenate([trajectory.jacobian(part)[:, :3] for part in parts(len(q))])
+    left = 2e3 * play * np.linalg.norm(lever, axis=1)
+    left[1:][direction[1:] * direction[:-1] >= 0] = left[0] = 0.0
+    turning = (left > SHOWS_MM).sum(axis=0)
+    if turning.any():
+        names = ", ".join(trajectory.nominal.names[j] for j in np.flatnonzero(turning))
+        yield (
+            f"{names}: {turning.sum()} reversals along the path, corrected at once as for play; as far as it "
+            f"is friction that winds up the gear, up to {left.max():.2g} mm are left for a while after"
+        )
 
 
 def _troubles(trajectory: Trajectory, before: Rest, rest: Rest) -> tuple[Trouble, ...]:

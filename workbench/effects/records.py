@@ -90,6 +90,8 @@ def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[E
         else _place(kinds[item.cause], item, problem, text)
     )
     settings: dict[str, Any] = {name: item.values[name] for name in effect.settings if name in item.values}
+    if settings.get("torque", 1.0) <= 0:
+        raise InputError(Fault(text, f"torque = {settings['torque']:g} cannot be", "above zero"))
     effect = replace(effect, **settings)
     known = (*effect.names, *effect.settings)
     unknown = [name for name in item.values if name not in known]

@@ -48,8 +48,7 @@ def figures(error: Array, across: Array, z: Array, time: Array) -> Figures:
     """From errors (N, 3), their part across the path (N, 3), and along the normal (N,) [m]; samples count by
     the time (N,) [s] of the path that each stands for."""
     size, beside = 1e3 * np.linalg.norm(error, axis=1), 1e3 * np.linalg.norm(across, axis=1)
-    share = np.gradient(time)
-    share /= share.sum()
+    share = shares(time)
     height = float(share @ z)
     return Figures(
         float(share @ size),
@@ -62,6 +61,12 @@ def figures(error: Array, across: Array, z: Array, time: Array) -> Figures:
         float(1e3 * np.ptp(z)),
         1e3 * abs(height),
     )
+
+
+def shares(time: Array) -> Array:
+    """(N,) share of the path's time (N,) [s] that each sample stands for."""
+    share = np.gradient(time)
+    return np.asarray(share / share.sum())
 
 
 def tangents(p: Array) -> Array:

@@ -6,7 +6,7 @@ so a joint along each ξ with a spring of stiffness 1/λ yields by C · wrench. 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +28,8 @@ from ...robot.yielding import Yielding, own_compliance
 NONE = 1e-9  # of a slot's largest: a compliance that is none
 RIGID = 1e-10  # rad/(N·m), m/N: what a joint without compliance yields, where it needs a joint at all
 TIPS = "what tips over in a bearing follows the loads at rest: what inertia adds does not move it"
-TABLE = 8001  # torques at which a law that is not linear is tabulated
+TABLE = 8001  # torques at which a law that is not linear is tabulated, closest about
+FINEST, FARTHEST = 0.01, 5e5  # N·m, N: as far from each other as there, and up to here
 
 
 @dataclass(frozen=True)
@@ -45,11 +46,17 @@ class Give:
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """Axial yield of a joint: linear with `compliance`, or tabulated (`motion`, `torque`) where it is not."""
+    """Axial yield of a joint: linear with `compliance`, or tabulated (`motion`, `torque`) where it is not: as
+    far as it rises."""
 
     compliance: float
     motion: Array | None = None
     torque: Array | None = None
+
+    @property
+    def ends(self) -> bool:
+        """Whether it rises only so far."""
+        return self.torque is not None and len(self.torque) < TABLE
 
     @property
     def stiffest(self) -> float:
@@ -107,12 +114,14 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
     yielding = extended.acting.yielding(arm)
     tips = _about_no_axis(arm, yielding)
     placed = others.direct(here)
-    if tips:
-        _, _, load = equilibrium(loaded, q, extended.direct(here), loads, yielding.motion)
-        for slot, law in tips:
-            placed[:, slot] += law(load.local[:, slot])[0]
     erring = {str(effect.where.joint) for effect, _ in gear}
     axial, gives = springs_of(arm, yielding, erring)
+    notes = [*extended.notes, *_against(arm, yielding)]
+    if tips or any(law is not None and law.ends for law in axial):
+        _, _, load = equilibrium(loaded, q, extended.direct(here), loads, yielding.motion)
+        for slot, bends in tips:
+            placed[:, slot] += bends(load.local[:, slot])[0]
+        notes += [*([TIPS] if tips else []), *_beyond(arm, axial, loaded.own(load.local))]
     return Mechanics(
         robot,
         loaded,
@@ -125,9 +134,34 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
         loads.torque,
         loads.compensator,
         gear,
-        (*extended.notes, TIPS) if tips else extended.notes,
+        tuple(notes),
         (float(problem.loads.mass.mean()), problem.loads.moment.mean(axis=0)),
     )
+
+
+def _against(arm: Arm, yielding: Yielding) -> Iterator[str]:
+    """A note on each slot that the model has yield against its load, which no spring does."""
+    for slot, C in enumerate(yielding.linear):
+        least = min(float(np.linalg.eigvalsh(block)[0]) for block in (C[:3, :3], C[3:, 3:]))
+        if least < -NONE * float(np.abs(C).max()):
+            yield (
+                f"{arm.links[slot]}: the model has a compliance below zero, yielding against its load: the "
+                "correction has it, the simulated arm does not"
+            )
+
+
+def _beyond(arm: Arm, axial: Sequence[Law | None], torque: Array) -> Iterator[str]:
+    """A note on each joint that a path (torque: (N, n) [N·m, N] at rest) loads beyond where its law rises."""
+    for law, name, own in zip(axial, arm.names, torque.T, strict=True):
+        if law is None or law.torque is None or not law.ends:
+            continue
+        if own.min() < law.torque[0] or own.max() > law.torque[-1]:
+            at = law.torque[-1] if own.max() > law.torque[-1] else law.torque[0]
+            yield (
+                f"{name}: beyond {at:.3g} the model's law turns back, which no spring does, and this path "
+                f"loads it with up to {own[np.argmax(np.abs(own))]:.3g} (N·m, N): the correction follows the "
+                "law, the simulated arm goes on straight"
+            )
 
 
 def _about_no_axis(arm: Arm, yielding: Yielding) -> list[tuple[int, Law6]]:
@@ -177,7 +211,8 @@ def _law(compliance: float, forms: list[Callable[[Array], Array]]) -> Law:
     """Linear, or a table torque → motion as far as the motion rises with it."""
     if not forms:
         return Law(compliance)
-    torque = 1e3 * np.sinh(np.linspace(-7.0, 7.0, TABLE))
+    reach = np.arcsinh(FARTHEST / FINEST)
+    torque = FINEST * np.sinh(np.linspace(-reach, reach, TABLE))
     motion = compliance * torque + sum(form(torque) for form in forms)
     middle = TABLE // 2
     rises = np.diff(motion) > 0

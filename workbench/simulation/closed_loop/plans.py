@@ -50,6 +50,7 @@ class Plans:
 
     def _compensate(self, path: Path, robot: Robot, method: str) -> Compensation:
         world = self.world
+        loop = world.loop if robot is world.truth else world.believed_loop
         return compensate(
             robot,
             path,
@@ -57,7 +58,7 @@ class Plans:
             tool=world.tool,
             start=self.start,
             method=method,
-            bandwidth_hz=world.loop.feed_forward_hz,
+            bandwidth_hz=loop.feed_forward_hz,
             seed=self.seed,
         )
 

@@ -58,9 +58,10 @@ def verify(
     one on at which a drive is over its limit they are left out, if there are slower ones.
     repeats: runs for AT and RT. loop: the controller (default: that of the truth's TOML). feed_forward:
     "elastic" adds a command whose drives lead by what the arm yields under its inertia, "loop" also by what
-    the model's own loop lags. on_limit: whether a drive over its limit of torque or speed stops the run, or
-    saturates. sweep: error by speed too. seed: of the repeats, and of the postures tried for the first pose.
-    workers: processes. Raises `InputError` where the path cannot be run, or a drive is over its limit.
+    the model lags under the controller that it states (or `loop`). on_limit: whether a drive over its limit
+    of torque or speed stops the run, or saturates. sweep: error by speed too. seed: of the repeats, and of
+    the postures tried for the first pose. workers: processes. Raises `InputError` where the path cannot be
+    run, or a drive is over its limit.
 
     >>> import numpy as np
     >>> from workbench import Path, load_robot, parse_effect, planned, problem, record, stored, verify
@@ -75,7 +76,7 @@ def verify(
     """
     _check_call(truth, belief, speeds, repeats)
     loads = conditions or stated_conditions(belief)
-    world = World(truth, belief, loads, tool, loop or truth.loop, on_limit=on_limit)
+    world = World(truth, belief, loads, tool, loop or truth.loop, on_limit, known=loop or belief.loop)
     plans = Plans(world, path, start, seed)
     timed, notes = plans.at_speeds(speeds)
     if sweep and not timed[0][1]:

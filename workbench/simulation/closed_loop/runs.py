@@ -20,9 +20,9 @@ from .control import nominal_mechanics
 from .drives import drives
 from .elastic import with_elastic_lead
 from .gains import gains
-from .lag import with_loop_lead
+from .lag import lead_hz, predicted_run, with_loop_lead
 from .limits import OnLimit, OverLimit
-from .mechanics import Mechanics, mechanics
+from .mechanics import mechanics
 from .motion import NO_CORNERS, Motion, motion
 from .simulation import Run, first_step, run
 
@@ -35,7 +35,8 @@ HALVINGS = 3
 @dataclass(frozen=True, eq=False)
 class World:
     """What all runs have in common: the simulated robot, what is believed of it, its loads, the controller;
-    corners: (C,) samples in which the path turns off at once."""
+    corners: (C,) samples in which the path turns off at once; known: the controller as the model has it,
+    None: as it is."""
 
     truth: Robot
     belief: Robot
@@ -44,6 +45,12 @@ class World:
     loop: Loop
     on_limit: OnLimit = "saturate"
     corners: NDArray[np.int64] = field(default_factory=lambda: NO_CORNERS)
+    known: Loop | None = None
+
+    @property
+    def believed_loop(self) -> Loop:
+        """The controller as the model has it."""
+        return self.known or self.loop
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,30 +98,30 @@ def simulate(world: World, task: Task) -> Outcome:
     moved = motion(task.path.time, task.q, truth.sided, corners)
     tuned = gains(truth, drives(truth, task.q[0], world.loop), world.loop, task.q)
 
-    def at(robot: Mechanics, moved: Motion, step: float, offset: Array | None = None) -> Run:
-        on_limit = world.on_limit if robot is truth else "saturate"
+    def at(moved: Motion, step: float) -> Run:
         return run(
-            robot,
+            truth,
             nominal,
             moved,
             loop=world.loop,
             tuned=tuned,
             tool=world.tool,
             step=step,
-            offset=offset,
-            on_limit=on_limit,
+            offset=task.offset,
+            on_limit=world.on_limit,
         )
 
     step = task.step or first_step(world.loop)
     if task.ahead != "static":
-        known = world.belief, task.path, task.q, world.conditions, world.tool, world.loop
-        moved = with_elastic_lead(moved, *known)
+        known = world.belief, task.path, task.q, world.conditions, world.tool
+        moved = with_elastic_lead(moved, *known, world.believed_loop)
         if task.ahead == "loop":
-            predicted = at(believed, moved, step)
-            moved = with_loop_lead(moved, *known, predicted.tool, task.X)
-    done, change = at(truth, moved, step, task.offset), float("nan")
+            own = predicted_run(believed, nominal, moved, world.believed_loop, task.q, world.tool)
+            slower = lead_hz(believed, world.believed_loop, task.q[0])
+            moved = with_loop_lead(moved, *known, slower, own.tool, task.X)
+    done, change = at(moved, step), float("nan")
     for _ in range(HALVINGS if task.settled else 0):
-        finer = at(truth, moved, step / 2, task.offset)
+        finer = at(moved, step / 2)
         moves = np.linalg.norm(finer.tool[:, :3, 3] - done.tool[:, :3, 3], axis=1)
         error = np.linalg.norm(done.tool[:, :3, 3] - task.X[:, :3, 3], axis=1)
         change = float(moves.max())

@@ -11,6 +11,7 @@ from ...correction.command import compensate
 from ...correction.paths import Path
 from ...robot.description import Robot
 from ...robot.kinematics import Array
+from .measures import shares
 from .motion import path_speed
 from .runs import Outcome, Task, World, simulate_all
 from .verification import Sweep
@@ -38,9 +39,10 @@ def swept(
     still = compensate(stiff, path, world.conditions, tool=world.tool, start=commands["uncorrected"][0])
     stiffly = way.command(still.q_command)
     along, X = way.along(path), way.X
-    elastic, rigids = [], []
+    elastic, rigids, cut = [], [], None
     for speed in SWEEP_SPEEDS:
         timed, kept = _at(along, X, speed)
+        cut = LONGEST if kept < len(X) else cut
         for name, ahead in (("uncorrected", "static"), ("corrected", "static"), ("corrected", "elastic")):
             said = f"{speed:g} m/s, {ahead} feed-forward, {name}"
             elastic.append(Task(said, timed, commands[name][:kept], X[:kept], ahead=ahead))  # type: ignore[arg-type]
@@ -55,6 +57,7 @@ def swept(
     return Sweep(
         np.array(SWEEP_SPEEDS),
         {"rigid": np.array(floor)} | {name: np.array(left[i::3]) for i, name in enumerate(names)},
+        cut,
     )
 
 
@@ -85,5 +88,6 @@ def _at(path: Path, X: Array, speed: float) -> tuple[Path, int]:
 
 
 def _rms(outcome: Outcome, task: Task) -> float:
+    """[mm] each sample counted by the time that it stands for, as in the table of speeds."""
     error = outcome.tool[:, :3, 3] - task.X[:, :3, 3]
-    return float(1e3 * np.sqrt((error**2).sum(axis=1).mean()))
+    return float(1e3 * np.sqrt(shares(task.path.time) @ (error**2).sum(axis=1)))

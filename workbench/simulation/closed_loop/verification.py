@@ -62,8 +62,9 @@ class Series:
 
     @property
     def best(self) -> str:
-        """Name of the command that goes farthest with what the model knows."""
-        return next(name for name in ("loop", "elastic", "corrected") if name in self.trials)
+        """Name of the command of what the model knows that leaves least, RMS."""
+        tried = [name for name in ("corrected", "elastic", "loop") if name in self.trials]
+        return min(tried, key=lambda name: self.trials[name].figures.rms_mm)
 
     @property
     def ratio_to_perfect(self) -> float | None:
@@ -87,16 +88,19 @@ class Repeats:
 @dataclass(frozen=True, eq=False)
 class Sweep:
     """RMS error [mm] by tool speed [m/s] (V,) of some commands: "rigid" (an arm that does not yield,
-    corrected: what the controller alone leaves), "uncorrected", "corrected", "elastic"."""
+    corrected: what the controller alone leaves), "uncorrected", "corrected", "elastic". cut_s: where the path
+    was longer, as much of it was run at each speed [s]; None: all of it at every speed."""
 
     speeds: Array
     rms_mm: dict[str, Array]
+    cut_s: float | None = None
 
-    def ends_at(self) -> float | None:
-        """Speed [m/s] from which on the static correction leaves twice what it leaves at the slowest."""
+    def ends_at(self) -> int | None:
+        """Number of the first speed at which the static correction leaves twice what it leaves at the
+        slowest."""
         left = self.rms_mm["corrected"]
         over = np.flatnonzero(left > 2 * left[0])
-        return float(self.speeds[over[0]]) if len(over) else None
+        return int(over[0]) if len(over) else None
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -244,15 +248,16 @@ def anew_said(found: Verification) -> str:
 
 def sweep_said(sweep: Sweep) -> str:
     """Where the static correction ends, in words."""
-    end = sweep.ends_at()
-    if end is None:
-        return f"the static correction holds up to {sweep.speeds[-1]:.3g} m/s"
-    k = int(np.searchsorted(sweep.speeds, end))
+    k = sweep.ends_at()
+    of = "" if sweep.cut_s is None else f" (of the path's first {sweep.cut_s:g} s at each speed)"
+    if k is None:
+        return f"the static correction holds up to {sweep.speeds[-1]:.3g} m/s{of}"
     left, led = (mm(float(sweep.rms_mm[name][k])) for name in ("corrected", "elastic"))
     lead = "with elastic feed-forward or without" if led == left else f"{led} mm with elastic feed-forward"
+    slowest, below, there = (f"{float(sweep.speeds[i]):.3g}" for i in (0, k - 1, k))
     return (
-        f"from {end:.3g} m/s on the static correction leaves twice what it leaves at "
-        f"{sweep.speeds[0]:.2g} m/s: {left} mm there, {lead}"
+        f"between {below} and {there} m/s the static correction comes to leave twice what it leaves at "
+        f"{slowest} m/s: {left} mm at {there} m/s, {lead}{of}"
     )
 
 
