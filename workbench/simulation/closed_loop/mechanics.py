@@ -159,7 +159,7 @@ def _beyond(arm: Arm, axial: Sequence[Law | None], torque: Array) -> Iterator[st
             at = law.torque[-1] if own.max() > law.torque[-1] else law.torque[0]
             yield (
                 f"{name}: beyond {at:.3g} the model's law turns back, which no spring does, and this path "
-                f"loads it with up to {own[np.argmax(np.abs(own))]:.3g} (N·m, N): the correction follows the "
+                f"loads it with up to {own[np.argmax(np.abs(own))]:.2g} (N·m, N): the correction follows the "
                 "law, the simulated arm goes on straight"
             )
 
