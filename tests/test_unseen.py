@@ -12,9 +12,12 @@ MASSES = (80.0, -38.0, 14.0, -10.0)  # kg, of links 2 to 5: a tenth or two of wh
 
 
 def of_tool(masses):
-    """The kr120 with a tool that nobody stated, and links heavier and lighter than stated."""
+    """The kr120 with a tool that nobody stated, and links heavier and lighter than stated, of which none
+    shows by itself."""
     links = [f"link_mass:link=link_{k},mass={mass}" for k, mass in enumerate(masses, 2) if mass]
-    return diagnose(measured("kr120", effects=(f"payload:payload=tool,mass={TOOL}", *links), loads=()))
+    return diagnose(
+        measured("kr120", effects=(f"payload:payload=tool,mass={TOOL}", *links), loads=(), seed=3)
+    )
 
 
 def mass_of(outcome):

@@ -20,7 +20,7 @@ GOOD = 0.02  # of the spread of the points: with a smaller misfit no other start
 STILL = 1e-5  # m, rad: a step below which a registration, a place to start from, has arrived
 ROUGHLY = 8  # iterations from each of many directions, of which the
 PROMISING = 4  # best are followed to the end
-LEAST_DAMPED, MOST_DAMPED = 1e-3, 1e4  # of the diagonal, what damps a step that would not mend
+LEAST_DAMPED, MOST_DAMPED = 1e-8, 1e4  # of the diagonal, what damps a step that would not mend
 FAR = 50.0  # times the usual distance from the middle: farther points are not looked at
 
 
@@ -209,7 +209,7 @@ def _refine(
                 break
             if float(np.abs(step).max()) < STILL:
                 break
-            damping = max(LEAST_DAMPED, 10.0 * damping)
+            damping = max(LEAST_DAMPED, 100.0 * damping)
         arrived = damping > MOST_DAMPED or float(np.abs(step).max()) < STILL
         if arrived or (iteration > 15 and misfit > 0.999 * last):
             break

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from pkgutil import iter_modules
 
 from ...files.faults import Fault, InputError
@@ -15,7 +15,7 @@ from .format import Format
 def formats() -> dict[str, Format]:
     """Every format by name: the classes of format in the modules of this folder."""
     found: dict[str, Format] = {}
-    for module in iter_modules([str(Path(__file__).parent)]):
+    for module in iter_modules(sys.modules[__package__].__path__):
         for member in vars(import_module(f"{__package__}.{module.name}")).values():
             if isinstance(member, type) and issubclass(member, Format) and "name" in vars(member):
                 found[member.name] = member()
