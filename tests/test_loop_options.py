@@ -92,7 +92,7 @@ def test_a_sweep_counts_points_by_their_time_and_says_between_which_speeds():
     said = sweep_said(Sweep(np.array([0.01, 0.1, 0.3]), rms, 30.0))
     assert said.startswith("between 0.1 and 0.3 m/s the static correction comes to leave twice")
     assert "0.300 mm at 0.3 m/s, 0.100 mm with elastic feed-forward" in said
-    assert said.endswith("(of the path's first 30 s at each speed)")
+    assert said.endswith("(at most 30 s of the path at each speed)")
     steady = replace(Sweep(np.array([0.01, 0.1]), {"corrected": np.array([0.1, 0.1])}))
     assert sweep_said(steady) == "the static correction holds up to 0.1 m/s"
 

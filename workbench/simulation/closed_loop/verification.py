@@ -249,7 +249,7 @@ def anew_said(found: Verification) -> str:
 def sweep_said(sweep: Sweep) -> str:
     """Where the static correction ends, in words."""
     k = sweep.ends_at()
-    of = "" if sweep.cut_s is None else f" (of the path's first {sweep.cut_s:g} s at each speed)"
+    of = "" if sweep.cut_s is None else f" (at most {sweep.cut_s:g} s of the path at each speed)"
     if k is None:
         return f"the static correction holds up to {sweep.speeds[-1]:.3g} m/s{of}"
     left, led = (mm(float(sweep.rms_mm[name][k])) for name in ("corrected", "elastic"))
