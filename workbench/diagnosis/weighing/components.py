@@ -119,6 +119,11 @@ class Component:
         return any(effect.in_proportion for form in self.forms for effect in form.effects)
 
     @property
+    def loads(self) -> bool:
+        """Whether it is a cause that loads an arm otherwise: a mass, a spring, a hose."""
+        return self.effect is not None and not self.nameless and self.effect.acts == "load"
+
+    @property
     def by_loads(self) -> bool:
         """Whether it is a cause by which an arm bends under its loads."""
         return not self.nameless and any(effect.by_loads for form in self.forms for effect in form.effects)

@@ -76,10 +76,10 @@ class Competition:
 
     def best(self, before: Sequence[str] = ()) -> list[Member]:
         """The best of several searches: everything at once; causes first, then everything; what yields
-        first, which one load hardly tells from heavier masses and stiffer joints elsewhere; both without
-        what is alike in all joints, where they found that. Where a set was found before (labels of its
-        components), the search goes on from there, and from what yields. In the order of the
-        components: two searches that end at one set are one, and what follows does not hang on rounding.
+        first, which one load hardly tells from heavier masses and stiffer joints elsewhere: where such loads
+        were found, or what is alike in all joints, without the latter too. Where a set was found before
+        (labels of its components), the search goes on from there. In the order of the components: two
+        searches that end at one set are one, and what follows does not hang on rounding.
         What is certain to be there is in every set, and left out at the end where it shows nothing."""
         everything = np.ones(len(self.components), bool)
         causes = np.array([not c.nameless or c.certain for c in self.components], bool)
@@ -87,10 +87,13 @@ class Competition:
         yields = np.array([c.yields or c.certain for c in self.components], bool)
         there = self._again([])
         found = [self.search(self._again(before) if before else there, everything)]
-        for some in (yields & apart,) if before else (causes, yields, yields & apart):
+        for some in () if before else (causes, yields):
             if not all(some[m.component] for m in found[0]) and (begun := self.search(there, some)) != there:
                 found.append(self.search(begun, everything))
-        if not before and any(m.component in self._either for members in found for m in members):
+        alike = any(m.component in self._either for members in found for m in members)
+        if alike or any(self.components[m.component].loads for members in found for m in members):
+            found.append(self.search(self.search(there, yields & apart), everything))
+        if alike and not before:
             found.append(self.search(self.search(there, apart), everything))
         return self._showing(self._settled(max(map(self._in_order, found), key=self.score)))
 
