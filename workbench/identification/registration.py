@@ -234,17 +234,6 @@ def _median(values: Array) -> float:
     return float(0.5 * np.partition(values, (half - 1, half))[half - 1 : half + 1].sum())
 
 
-def frame_and_targets(about: Array, axes: Array) -> Array:
-    """(N, T, 3, 6 + 3 T) how points move by a translation [m] and a turn [rad] of the frame, and by the
-    targets' places [m]. about: (N, T, 3) [m] the points, about the frame's origin; axes: (N, T, 3, 3) of the
-    targets' places."""
-    J = np.zeros((*about.shape, 6 + 3 * about.shape[1]))
-    J[..., :6] = body_jacobian(about)
-    for i in range(about.shape[1]):
-        J[:, i, :, 6 + 3 * i : 9 + 3 * i] = axes[:, i]
-    return J
-
-
 @dataclass(frozen=True)
 class _Place:
     """R: (3, 3), t: (3,) [m] the base in the instrument's frame; targets: (T, 3) [m]; size: of the points."""

@@ -22,13 +22,13 @@ from ...identification.registration import (
     GOOD,
     UNKNOWN_TARGET,
     Placed,
-    frame_and_targets,
     place,
     place_stated,
     sight,
     stated_within,
 )
 from ...robot.kinematics import Array
+from ...robot.rotations import body_jacobian
 from ..found import FaultFound
 from ..weighing.places_of_steps import CLEARLY, Taken, by_chance, gains_of, half_of, places, prefix
 from ..weighing.screen import SURVIVES, effective_dof, quadratic, reduce_columns
@@ -173,7 +173,7 @@ def _prediction(problem: Problem, first: Placed, here: NDArray[np.bool_], there:
     rigid, seen = problem.rigid, problem.seen
     points = rigid.points(first.targets, problem.on) @ first.R.T
     axes = np.stack([first.R @ rigid.R[slot] for slot in problem.on], axis=1)
-    J = frame_and_targets(points, axes)
+    J = _frame_and_targets(points, axes)
     known, new = (J[seen & some[:, None]].reshape(-1, J.shape[-1]) for some in (here, there))
     prior = np.concatenate([np.full(6, UNKNOWN_TARGET), np.repeat(stated_within(problem), 3)])
     sigma = first.middle + 1e-9
@@ -315,3 +315,14 @@ def split_setup(problem: Problem, first: int) -> Problem:
     """The problem with the poses from `first` on, of its set-up, in one of their own."""
     c = problem.campaign
     return replace(problem, campaign=split_campaign(c, first, int(c.poses.setup[first])))
+
+
+def _frame_and_targets(about: Array, axes: Array) -> Array:
+    """(N, T, 3, 6 + 3 T) how points move by a translation [m] and a turn [rad] of the frame, and by the
+    targets' places [m]. about: (N, T, 3) [m] the points, about the frame's origin; axes: (N, T, 3, 3) of the
+    targets' places."""
+    J = np.zeros((*about.shape, 6 + 3 * about.shape[1]))
+    J[..., :6] = body_jacobian(about)
+    for i in range(about.shape[1]):
+        J[:, i, :, 6 + 3 * i : 9 + 3 * i] = axes[:, i]
+    return J
