@@ -35,6 +35,7 @@ from workbench.diagnosis.weighing.sets import Competition
 from workbench.diagnosis.weighing.weight import prior_weight
 from workbench.effects.base import UNKNOWN
 from workbench.effects.place import NOWHERE
+from workbench.effects.unnamed import unnamed
 from workbench.effects.unnamed.joints import Product
 from workbench.identification.fit import refit
 
@@ -252,6 +253,24 @@ def test_what_brings_nothing_is_not_sure_whatever_its_likelihood(wheel):
     assert share[k][k] < 0.5
     assert share[k][None] == pytest.approx(1 - share[k][k])
     assert claimed.shares[-1] == {k: 1.0, None: 0.0}
+
+
+@pytest.mark.parametrize("more_than_noise", [False, True])
+def test_what_is_left_once_an_effect_brings_nothing_has_no_name(wheel, monkeypatch, more_than_noise):
+    """Beside it a cause keeps its name that brings a tenth of it, however sure the likelihood was that the
+    effect explained it."""
+    found = replace(compete(wheel, all_that_may_be(wheel.problem)[0]), misfit=False)
+    function = next(iter(unnamed(wheel.problem)))
+    claimed = replace(found, fit=refit(found.fit, [*found.fit.model.effects, function]))
+    monkeypatch.setattr(worth, "remainder", lambda *_: SimpleNamespace(scatter=more_than_noise))
+    monkeypatch.setattr(worth, "FAINT", 10.0)
+    kept = worth.worth_it(claimed, True, seed=0)
+    assert function not in kept.fit.model.effects
+    assert kept.misfit == more_than_noise
+    assert [effect.cause for effect, _ in kept.groups] == ([] if more_than_noise else ["gear_eccentricity"])
+    monkeypatch.setattr(worth, "FAINT", 0.1)
+    kept = worth.worth_it(claimed, True, seed=0)
+    assert [effect.cause for effect, _ in kept.groups] == ["gear_eccentricity"]
 
 
 @pytest.mark.parametrize("uneven", [0.0, 1.5])

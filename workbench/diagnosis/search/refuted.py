@@ -42,5 +42,5 @@ def with_none_refuted(
 def judged(prepared: Prepared, selection: Selection, candidates: Sequence[Effect], seed: int) -> Selection:
     """A selection by what it brings, by what its causes are beside their forms, and with what yields too."""
     noise, known = prepared.covariance, prepared.noise_known
-    selection = with_own_forms(worth_it(selection, seed), noise, known, seed)
+    selection = with_own_forms(worth_it(selection, known, seed), noise, known, seed)
     return with_what_also_yields(selection, candidates, noise, known, seed)

@@ -16,6 +16,7 @@ from ...robot.kinematics import Array
 from ..priors import PRIORS
 from ..weighing.chosen import Chosen
 from ..weighing.components import Key, bare
+from ..weighing.remainder import remainder
 from ..weighing.replication import enough_for_halves
 from .competition import Selection
 from .stages import Group, rms_mm, without
@@ -25,18 +26,21 @@ NOTHING = 1e-30  # m²
 VOUCHED = 5 / 6  # of a fifth part of the data by four that agree (Laplace's rule of succession)
 
 
-def worth_it(selection: Selection, seed: int) -> Selection:
+def worth_it(selection: Selection, noise_known: bool, seed: int) -> Selection:
     """Without effects that bring the tool no nearer to its place on poses that they were not fitted on. Where
-    something is left without a name, causes that bring less than a tenth of the noise keep none either.
+    something is left without a name, or to these effects alone, causes that bring less than a tenth of that,
+    or of the noise, keep none either.
 
     Causes that can stand in for each other each bring next to nothing beside the others. So each counts by
     what it brings beside these, or by what it brings to those that are stronger, whichever is more. Those
     that all parts of the data found by themselves stay in the fit, and count as the strongest."""
     kept, error = _pruned(selection, seed)
     kept, error = _without_chance(kept, error, seed)
+    left = kept.fit is not selection.fit and remainder(kept.fit, noise_known).scatter
+    kept = replace(kept, misfit=kept.misfit or left)
     if kept.misfit:
         kept = as_sure_as_its_gain(kept, seed)
-    rest = bool(kept.nameless)  # what loses its name below was none: nothing stands beside it
+    rest = left or bool(kept.nameless)  # what loses its name below was none: nothing stands beside it
     least = FAINT * max(1e3 * kept.fit.noise.usual, error / np.sqrt(3))
     if rest:
         kept = _without_faint(kept, least, seed)
