@@ -134,3 +134,24 @@ def test_points_of_a_probe_share_its_errors(sound):
         assert np.allclose(moved, moved[:, :1], rtol=0.05, atol=0.05 * np.abs(moved).max())
     assert "the reflector or probe" in one.variable
     assert "each reflector" in each.variable
+
+
+def test_reflectors_of_another_campaign_show_nothing_of_these(sound):
+    """A campaign that is planned has more targets, or fewer: each keeps its own columns."""
+    seen = seen_by_tracker(sound, lambda r, a, e: (0 * r, 0 * r, 0 * r))
+    problem, first, others = problem_of(seen), seen.targets[:1], seen.targets[1:]
+    new = replace(seen.targets[0], name="new")
+    for kind in (Reflectors, Views):
+        (each,) = kind.sites(problem)
+        of_all = each.seen(problem, seen.points)
+        fewer = replace(seen, targets=others, points=seen.points[:, 1:], shots=seen.shots[:, 1:])
+        assert np.allclose(each.seen(problem_of(fewer), fewer.points), of_all[:, 1:], atol=0.3)
+        more = replace(
+            seen,
+            targets=(*first, new, *others),
+            points=np.insert(seen.points, 1, seen.points[:, 0], axis=1),
+            shots=np.insert(seen.shots, 1, seen.shots[:, 0], axis=1),
+        )
+        shown = each.seen(problem_of(more), more.points)
+        assert np.allclose(shown[:, [0, 2, 3]], of_all, atol=0.3)  # the hand's turn is by their middle
+        assert not shown[:, 1].any()

@@ -147,17 +147,17 @@ class Ranging(FromHead):
 
 @dataclass(frozen=True)
 class OfReflectors(FromHead):
-    """Each of so many reflectors shows its own error of range, by functions of how it is looked at; the
-    points of a 6-D measurement are those of one probe."""
+    """Each reflector shows its own error of range, by functions of how it is looked at; the points of a 6-D
+    measurement are those of one probe. reflectors: their targets' names, none for the one that all are of. In
+    a campaign with others (one that is planned), these show nothing."""
 
-    reflectors: float = 1.0
+    reflectors: tuple[str, ...] = ()
 
-    settings: ClassVar[tuple[str, ...]] = (*FromHead.settings, "reflectors")
     each: ClassVar[int] = 1
 
     @property
     def functions(self) -> int:
-        return self.each * int(self.reflectors)
+        return self.each * max(len(self.reflectors), 1)
 
     @abstractmethod
     def by(self, problem: Problem, ray: Array) -> Array:
@@ -166,16 +166,17 @@ class OfReflectors(FromHead):
     def seen(self, problem: Problem, points: Array) -> Array:
         _, _, _, ray, _ = _polar(problem)
         by = self.by(problem, ray)
-        count = ray.shape[1]
-        which = np.eye(count) if self.reflectors > 1 else np.ones((count, 1))
+        there = [target.name for target in problem.campaign.targets]
+        which = np.array([[one == name for one in self.reflectors or [name]] for name in there], float)
         own = which[None, :, :, None] * by[:, :, None, :]  # (N, T, reflectors, f)
         own = own.reshape(*ray.shape[:2], -1)
         return np.asarray(self.distance * ray[..., None] * own[..., None, :])
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
-        count = 1 if problem.campaign.six_dof else len(problem.campaign.targets)
-        return [cls(distance=one.distance, reflectors=float(count)) for one in cls.at_hand(problem)]
+        several = not problem.campaign.six_dof and len(problem.campaign.targets) > 1
+        names = tuple(target.name for target in problem.campaign.targets) if several else ()
+        return [cls(distance=one.distance, reflectors=names) for one in cls.at_hand(problem)]
 
 
 @dataclass(frozen=True)
@@ -200,7 +201,7 @@ class Views(OfReflectors):
 
     @property
     def variable(self) -> str:
-        which = "the reflector or probe" if self.reflectors == 1 else "each reflector"
+        which = "the reflector or probe" if not self.reflectors else "each reflector"
         return f"how {which} is turned to the instrument"
 
     def by(self, problem: Problem, ray: Array) -> Array:
