@@ -5,6 +5,8 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,6 +29,7 @@ from workbench import (
     simulate,
     write_fit,
 )
+from workbench.campaign.flange_load import beyond_load
 from workbench.cli.main import main
 from workbench.effects.unnamed import unnamed
 from workbench.identification.fit import refit
@@ -147,6 +150,14 @@ def test_a_load_that_was_not_measured_is_outside(model):
     assert predict(model, plan).outside == ("", "load on the flange", "")
     pushed = plan.with_poses(wrench=np.array([[0.0] * 6, [0.0] * 6, [0.0, 0.0, 300.0, 0.0, 0.0, 0.0]]))
     assert predict(model, pushed).outside[2] == "load on the flange"
+
+
+@pytest.mark.parametrize(("moment", "outside"), [(0.35, False), (40.0, True)])
+def test_a_load_that_hangs_straight_down_is_the_same_under_a_hand_a_little_askew(moment, outside):
+    """Beneath a level hand a load has no moment, to rounding; a calibrated hand stands 0.1 degrees askew."""
+    load = SimpleNamespace(force=np.array([[[0.0, 0.0, -392.0]]]), moment=np.array([[[moment, 0.0, 0.0]]]))
+    problem: Any = SimpleNamespace(nominal_load=load)
+    assert beyond_load(problem, (392.0, 392.0, 5e-4)).tolist() == [outside]
 
 
 def test_a_corner_that_nobody_measured_is_outside_though_no_joint_is(truth, tmp_path):

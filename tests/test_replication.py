@@ -273,6 +273,23 @@ def test_what_is_left_once_an_effect_brings_nothing_has_no_name(wheel, monkeypat
     assert [effect.cause for effect, _ in kept.groups] == ["gear_eccentricity"]
 
 
+def test_what_brings_nothing_without_what_has_no_name_is_not_sure(wheel, monkeypatch):
+    """All names together, as a mass that acts through joints of which nobody knows that they yield."""
+    found = compete(wheel, all_that_may_be(wheel.problem)[0])
+    function = next(iter(unnamed(wheel.problem)))
+    beside = replace(found, fit=refit(found.fit, [*found.fit.model.effects, function]))
+    ((effect, _),) = beside.groups
+    (own,) = (k for k, one in enumerate(found.components) if bare(one.key) == effect.key)
+
+    def share(selection):
+        return next(s[own] for s in worth._that_stand_alone(selection, seed=0).shares if own in s)
+
+    assert share(beside) > 0.95
+    monkeypatch.setattr(worth, "rms_mm", lambda _: 1.0)
+    assert share(beside) == pytest.approx(VOUCHED)
+    assert share(found) > 0.95  # nothing without a name is there
+
+
 @pytest.mark.parametrize("uneven", [0.0, 1.5])
 def test_an_effect_may_do_more_at_one_position_than_at_another(monkeypatch, uneven):
     """What brings all positions nearer is sure, whether it does as much everywhere or not; what does nothing

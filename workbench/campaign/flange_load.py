@@ -12,7 +12,10 @@ from .data import Campaign
 from .problem import Problem
 
 MARGIN = 0.1  # of the largest measured force or moment
-LIGHT_FORCE, LIGHT_MOMENT = 1.0, 0.1  # N, N·m: no less counts
+LIGHT_FORCE, LIGHT_MOMENT = 1.0, 0.1  # N, N·m: no less counts,
+LEVER = (
+    3e-3  # m: nor does a force that pulls no farther from where it did, by a hand that stands a little askew
+)
 
 
 def flange_load(problem: Problem) -> tuple[float, float, float]:
@@ -41,7 +44,7 @@ def beyond_load(problem: Problem, measured: Sequence[float]) -> NDArray[np.bool_
     least, most, turning = measured
     margin = max(LIGHT_FORCE, MARGIN * most)
     off = (force < least - margin) | (force > most + margin)
-    return np.asarray(off | (moment > turning + max(LIGHT_MOMENT, MARGIN * turning)))
+    return np.asarray(off | (moment > turning + max(LIGHT_MOMENT, LEVER * most, MARGIN * turning)))
 
 
 def _sizes(problem: Problem) -> tuple[Array, Array]:

@@ -91,7 +91,8 @@ class Competition:
             if not all(some[m.component] for m in found[0]) and (begun := self.search(there, some)) != there:
                 found.append(self.search(begun, everything))
         alike = any(m.component in self._either for members in found for m in members)
-        if alike or any(self.components[m.component].loads for members in found for m in members):
+        loads = any(self.components[m.component].loads for members in found for m in members)
+        if alike or (loads and not before):
             found.append(self.search(self.search(there, yields & apart), everything))
         if alike and not before:
             found.append(self.search(self.search(there, apart), everything))
