@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from diagnosis_cases import measured, robot
 
+from workbench import fit, problem_of
 from workbench.campaign import join, load_campaign, write_campaign
 from workbench.campaign.planned import random_poses
+from workbench.diagnosis.data_faults.moved_setup import _of_one_pose
 from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.weighing.places_of_steps import Taken, gains_of, prefix
 
 
 def test_an_arm_that_warms_up_has_no_tool_that_was_mounted_anew():
@@ -81,3 +84,22 @@ def test_a_tool_that_slips_is_found_among_few_poses_of_one_target():
         "ur5", ("joint_map:joint=elbow_joint",), poses=64, loads=(), targets=1, seed=8, sigma=2e-5
     )
     assert prepare(mapped).faults == ()
+
+
+@pytest.mark.parametrize("wild", [False, True])
+def test_a_wild_point_is_no_step(wild):
+    """The last six poses moved, or one of them alone."""
+    campaign = measured("6R", poses=60, loads=(), sigma=2e-5)
+    points = campaign.points.copy()
+    if wild:
+        points[57, 1] += [0.0, 6e-4, 0.0]
+    else:
+        points[54:] += [0.0, 6e-4, 0.0]
+    geometry = prepare(campaign).geometry
+    moved = replace(geometry.model, problem=problem_of(replace(campaign, points=points)))
+    found = fit(moved, geometry.state, geometry.noise)
+    own, taken = np.arange(60), Taken.by(found)
+    base = np.matmul(found.whitener, found.line.frame)
+    gain = gains_of(*prefix(taken, base, own))[54]
+    assert gain > 60
+    assert _of_one_pose(taken, base, own, 54, gain) == wild

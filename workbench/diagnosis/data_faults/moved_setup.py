@@ -42,6 +42,7 @@ MOST = 0.5  # of what is beyond the noise, which a step explains
 SURE = 3.0  # standard deviations of its size, from which a step's size is determined
 AS_WELL = 2.0  # times what is left of its own fit: one fit for all poses explains a part as well
 WAVES = 3  # cosines in the order of measurement: what a drift may look like
+LOOKED_AT, KEPT = 10, 1 / 3  # poses that are off most, and of what a step takes off χ² without one of them
 MANY = 10.0  # times its usual size, up to which what is smooth may stand in for a step
 
 
@@ -104,8 +105,22 @@ def by_no_chance(result: Fit, step: Step, others: Sequence[Step]) -> bool:
         taken = taken.and_of(_only(motions[other.kind], there[there >= other.first]))
     own = problem.campaign.poses.in_setup_of(step.first)
     base = _only(motions[step.kind], own)
-    gain = gains_of(*prefix(taken, base, own))[int(np.searchsorted(own, step.first))]
-    return bool(gain > CLEARLY * by_chance(result, base, own, places(problem.positions[own]), taken))
+    first = int(np.searchsorted(own, step.first))
+    gain = gains_of(*prefix(taken, base, own))[first]
+    if gain <= CLEARLY * by_chance(result, base, own, places(problem.positions[own]), taken):
+        return False
+    return not _of_one_pose(taken, base, own, first, gain)
+
+
+def _of_one_pose(taken: Taken, base: Array, own: NDArray[np.int64], first: int, gain: float) -> bool:
+    """Whether a step of the poses `own` before the one at `first`, which takes so much off χ², is that of a
+    single wild pose on its shorter side: one that stands for itself leaves little of it."""
+    some = own[:first] if first <= len(own) - first else own[first:]
+    for pose in some[np.argsort(-(taken.r[some] ** 2).sum(axis=1))][:LOOKED_AT]:
+        beside = taken.and_of(_only(base, np.array([pose])))
+        if gains_of(*prefix(beside, base, own))[first] < KEPT * gain:
+            return True
+    return False
 
 
 def _motions(result: Fit) -> dict[DataFault, Array]:
@@ -201,6 +216,8 @@ def _step(result: Fit, kind: DataFault, columns: Array, own: NDArray[np.int64]) 
         return None
     alike = scatter > 1.0 or shared_rounding(result)  # in a run the errors of rounding are
     if alike and gain < CLEARLY * by_chance(result, base, own, possible, Taken.by(result)):
+        return None
+    if _of_one_pose(Taken.by(result), base, own, first, gain):
         return None
     size, std = _size(result, columns, own, *(of[first] for of in before))
     return Step(kind, int(own[first]), size, gain) if size > SURE * std * np.sqrt(scatter) else None
