@@ -28,6 +28,18 @@ def test_copies_are_left_out_and_told_repeats_stay() -> None:
     assert len(without_copies(hidden)[0].poses) == n
 
 
+def test_repeats_that_are_read_roughly_are_no_copies() -> None:
+    """To 0.1 mm a few of them are alike in all numbers by chance; of those that are all alike none is."""
+    campaign = measured("cylindrical", poses=30, loads=(), repeats=3, targets=1)
+    rough = replace(campaign, points=np.round(campaign.points, 4))
+    n = len(rough.poses)
+    assert len(np.unique(rough.points.reshape(n, -1), axis=0)) < n - 10  # some are
+    assert without_copies(rough) == (rough, ())
+    once = np.unique(rough.poses.q, axis=0, return_index=True)[1]
+    twice = rough.some(np.concatenate([once, once])).with_poses(ids=tuple(f"P{i}" for i in range(60)))
+    assert len(without_copies(twice)[0].poses) == 30
+
+
 def test_a_campaign_that_is_named_twice_by_another_name_is_no_second_one(tmp_path) -> None:
     campaign = measured("cylindrical", poses=20, loads=())
     part = campaign.some(np.arange(3, 20))
