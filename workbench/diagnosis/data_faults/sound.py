@@ -22,6 +22,7 @@ from ...robot.kinematics import Array
 from ..found import FaultFound, Noise
 from ..noise.noise_choice import choose, from_residual, of_distances, without_wild_repeats
 from ..weighing.places_of_steps import DIFFERENT
+from .frozen_joint import frozen_joints
 from .mistaken_loads import mistaken_loads
 from .moved_setup import jump, split_setup, step_in_time
 from .moved_target import reseated
@@ -85,7 +86,7 @@ def without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> S
     if step is not None:
         problem, faults = split_setup(problem, step.first), (*faults, step.fault(problem))
     problem = measured_only(problem)
-    many = much_left_out(measured, problem)
+    many = [*much_left_out(measured, problem), *frozen_joints(measured, problem)]
     if step is not None or start.targets.shape[1] > len(problem.campaign.targets):
         start = start_state(problem)
     if faults or usual is not problem:
