@@ -144,6 +144,11 @@ def moved(z):
     return np.concatenate([z[:18], z[18:] @ turn.T + 0.2])
 
 
+def one_hidden(points):
+    """Points (N, 3, 3) of which each pose has two."""
+    return np.where((np.arange(len(points)) % 3)[:, None, None] == np.arange(3)[:, None], np.nan, points)
+
+
 IN_PART = {
     "an instrument moved": (moved, "the instrument or the tool stands elsewhere at the poses 1 … 18"),
     "first in metres": (
@@ -157,6 +162,10 @@ IN_PART = {
     "x and y exchanged in the middle": (
         lambda z: np.concatenate([z[:12], z[12:25][..., [1, 0, 2]], z[25:]]),
         "at the poses 13 … 25 x and y of the points are exchanged",
+    ),
+    "names of two targets that are never seen with a third": (
+        lambda z: np.concatenate([one_hidden(z)[:25], one_hidden(z)[25:][:, [1, 0, 2]]]),
+        "at the poses 26 … 40 the names of the targets T1 and T2 are exchanged",
     ),
     "two instruments": (
         lambda z: np.where(SOME[:, None, None], z[..., [1, 2, 0]] + 0.3, z),

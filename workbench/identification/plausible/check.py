@@ -209,7 +209,7 @@ def _there(
     problem: Problem, data: Sample, part: Part, every: Sequence[Hypothesis], enough: float
 ) -> tuple[tuple[Mistake, float], ...]:
     """The likeliest mistakes of a part of the poses."""
-    return _likeliest(problem, data, _tried(data, list(in_part(data, part, every))), enough)
+    return _likeliest(problem, data, _tried(data, list(in_part(problem, data, part, every))), enough)
 
 
 def _zero(problem: Problem, data: Sample, enough: float) -> tuple[str, float] | None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, islice, permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
 from ..registration import Placed, place, sight, spread_of
-from .hypotheses import Hypothesis, Undo
+from .hypotheses import MOST_ORDERS, Hypothesis, Undo
 from .misfit import BOUND, Sample, held, misfit
 
 FEWEST = 8  # poses of each part
@@ -93,7 +93,7 @@ def _told(problem: Problem, data: Sample, placed: Placed, limit: float) -> Part:
     return Part(wrong[data.rows], f"{wrong.sum()} of {seen} poses ({shown} … {ids[last]})", placed, limit)
 
 
-def in_part(data: Sample, part: Part, every: Iterable[Hypothesis]) -> Iterator[Hypothesis]:
+def in_part(problem: Problem, data: Sample, part: Part, every: Iterable[Hypothesis]) -> Iterator[Hypothesis]:
     """That the instrument or the tool stands elsewhere there, or another mistake was made there alone: only
     such as bring most of these poses to where the others have the instrument."""
     what = f"the instrument or the tool stands elsewhere at {part.where}"
@@ -102,8 +102,8 @@ def in_part(data: Sample, part: Part, every: Iterable[Hypothesis]) -> Iterator[H
     def apart(sample: Sample) -> Sample:
         return sample.changed(setup=sample.setup + part.rows, stated=np.full_like(sample.stated, np.nan))
 
-    yield Hypothesis("poses", what, mend, apart)
-    for one in (*every, *_axes()):
+    yield Hypothesis("poses", what, mend, apart, parts=2)  # where it stands, and with which targets
+    for one in (*every, *_axes(), *_names(problem, data)):
         alike = one.table in ("poses", "points")
         if alike and np.mean(_off(one.undo(data), part.placed)[part.rows] <= part.limit) > 0.5:
             yield _there(one, part)
@@ -118,6 +118,25 @@ def _axes() -> Iterator[Hypothesis]:
     for i in range(3):
         what = f"{'xyz'[i]} of the points has the other sign"
         yield Hypothesis("points", what, "turn it", _turned(np.diag(1.0 - 2.0 * np.eye(3)[i])))
+
+
+def _names(problem: Problem, data: Sample) -> Iterator[Hypothesis]:
+    """Names of targets on one body that are exchanged; of a whole campaign their stated places are. Where few
+    are seen at a time no distances between them say so."""
+    on = [problem.on[i] for i in data.targets]
+    for order in islice(permutations(range(len(on))), 1, MOST_ORDERS):
+        moved = [i for i, other in enumerate(order) if other != i]
+        if len({on[i] for i in moved}) > 1:
+            continue
+        names = [problem.campaign.targets[data.targets[i]].name for i in moved]
+        what = f"the names of the targets {', '.join(names[:-1])} and {names[-1]} are exchanged"
+        mend = "exchange them in the column target"
+        yield Hypothesis("points", what, mend, _ordered(order))
+
+
+def _ordered(order: Sequence[int]) -> Undo:
+    """The sample with points of targets in this order."""
+    return lambda data: data.changed(points=data.points[:, list(order)])
 
 
 def _turned(axes: Array) -> Undo:
