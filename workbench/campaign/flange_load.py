@@ -13,9 +13,7 @@ from .problem import Problem
 
 MARGIN = 0.1  # of the largest measured force or moment
 LIGHT_FORCE, LIGHT_MOMENT = 1.0, 0.1  # N, N·m: no less counts,
-LEVER = (
-    3e-3  # m: nor does a force that pulls no farther from where it did, by a hand that stands a little askew
-)
+LEVER = 3e-3  # m: nor a force that pulls so near to where it did, as under a hand a little askew
 
 
 def flange_load(problem: Problem) -> tuple[float, float, float]:

@@ -54,7 +54,7 @@ def _alike_by_chance(campaign: Campaign, count: int) -> bool:
 
 
 def _repeats(campaign: Campaign) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """(K,) poses, and (K,) the next of each one's joints and load."""
+    """(K,) poses, and (K,) the next of each one's joints and load, be it of another campaign."""
     poses = campaign.poses
     rows: Array = np.concatenate([poses.q, np.asarray(poses.payload, dtype=float)[:, None]], axis=1)
     group = np.unique(rows, axis=0, return_inverse=True)[1].ravel()

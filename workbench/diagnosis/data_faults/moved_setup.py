@@ -199,8 +199,8 @@ def _prediction(problem: Problem, first: Placed, here: NDArray[np.bool_], there:
 def _step(result: Fit, kind: DataFault, columns: Array, own: NDArray[np.int64]) -> Step | None:
     """The best step of the motions columns: (N, R, 6) of the points of the poses `own`; None when none is
     clear."""
-    base = np.matmul(result.whitener, columns)
-    before = prefix(Taken.by(result), base, own)
+    base, taken = np.matmul(result.whitener, columns), Taken.by(result)
+    before = prefix(taken, base, own)
     possible = places(result.model.problem.positions[own])
     if not possible:
         return None
@@ -215,9 +215,9 @@ def _step(result: Fit, kind: DataFault, columns: Array, own: NDArray[np.int64]) 
     if _beside_joints(result, step) < 60 * scatter:
         return None
     alike = scatter > 1.0 or shared_rounding(result)  # in a run the errors of rounding are
-    if alike and gain < CLEARLY * by_chance(result, base, own, possible, Taken.by(result)):
+    if alike and gain < CLEARLY * by_chance(result, base, own, possible, taken):
         return None
-    if _of_one_pose(Taken.by(result), base, own, first, gain):
+    if _of_one_pose(taken, base, own, first, gain):
         return None
     size, std = _size(result, columns, own, *(of[first] for of in before))
     return Step(kind, int(own[first]), size, gain) if size > SURE * std * np.sqrt(scatter) else None
