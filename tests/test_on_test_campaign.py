@@ -100,6 +100,15 @@ def test_another_robot_is_no_test_though_its_joints_have_the_same_names():
         diagnose(replace(test, robot=left), test=replace(test, robot=right))
 
 
+def test_a_test_that_is_refused_is_refused_before_the_search():
+    _, test, whole = halves()
+    told = []
+    shuffled = with_points(test, test.points[np.random.default_rng(0).permutation(len(test.points))])
+    with pytest.raises(InputError):
+        diagnose(whole.some(np.arange(30)), test=shuffled, progress=told.append)
+    assert told[-1] == "looking at the test campaign"
+
+
 def test_poses_that_were_fitted_are_no_test():
     campaign = halves()[2]
     (said,) = figures(campaign.some(np.arange(20))).notes

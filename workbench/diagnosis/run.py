@@ -25,6 +25,7 @@ from .result import Diagnosis
 from .search.competition import Selection, compete
 from .search.refuted import judged, with_none_refuted
 from .telling.findings import Parts, assemble
+from .telling.on_test_campaign import test_figures
 
 Given = Campaign | str | Path
 NOISES = 2  # times a noise is taken from a fit: what joints scatter shows once turns are as fine as they are
@@ -85,6 +86,9 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
         check_same_robot(campaigns[0].robot, test)
     prepared = prepare(campaigns, progress)
     campaigns.clear()  # of a large one, parts stand in `prepared`: the whole takes room
+    if test is not None:  # what cannot be used is refused before the search
+        progress("looking at the test campaign")
+        test_figures(prepared.nominal, prepared.geometry, test)
     test = test or prepared.spare
     progress("testing causes")
     found, not_testable = _searched(prepared, seed, progress)
@@ -95,6 +99,8 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
         prepared = mended
         progress("testing causes without the data faults that they hid")
         found, not_testable = _searched(prepared, seed, progress, since)
+    if found.selection.against:
+        progress("testing causes without those that their own numbers refute")
     selection = with_none_refuted(found.prepared, found.selection, found.candidates, seed)
     found = replace(found, selection=selection)
     progress("writing down what was found")
