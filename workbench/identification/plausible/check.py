@@ -305,7 +305,25 @@ def _nothing_fits(problem: Problem, size: str, found: Plausible) -> tuple[str, s
     what = (
         f"{size}, and none of the usual mistakes (units, signs, order, zeros, coupling, frames) explains it"
     )
+    if by := _sorted_by(problem):
+        what = f"{what}; the rows are sorted by {by}"
+        return what, "if a table was sorted by some of its columns alone, take it as it was before"
     return what, f"is this robot the {robot.title}, and does each point belong to the pose that it names?"
+
+
+def _sorted_by(problem: Problem) -> str | None:
+    """A column whose numbers never fall, or never rise, from pose to pose: not by chance."""
+    points = {
+        f"{axis} of {target.name}": problem.campaign.points[:, i, k]
+        for i, target in enumerate(problem.campaign.targets)
+        for k, axis in enumerate("xyz")
+    }
+    joints = {f"q{j + 1}": column for j, column in enumerate(problem.q.T)}
+    for name, column in (joints | points).items():
+        steps = np.diff(column[np.isfinite(column)])
+        if np.count_nonzero(steps) >= FEWEST and ((steps >= 0).all() or (steps <= 0).all()):
+            return name
+    return None
 
 
 def _length(length: float) -> str:
