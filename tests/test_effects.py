@@ -19,6 +19,7 @@ from workbench.effects.place import Where
 from workbench.effects.records import effect_text, from_record, parse_effect, record, stated_effects
 from workbench.effects.unnamed.campaign import PerPayload
 from workbench.effects.unnamed.instrument import Bearing, Head, Views
+from workbench.effects.unnamed.joints import Product
 from workbench.effects.unnamed.loads import Load
 from workbench.files.faults import InputError
 from workbench.identification.model import Model, State
@@ -317,3 +318,22 @@ def test_a_tool_that_sits_otherwise_by_payload_has_its_numbers_at_other_loads_to
         assert columns.shape == (9, line.direct.shape[1], len(effect.params))
         moving = np.abs(columns).max(axis=(1, 2)) > 0
         assert moving.tolist() == [bool(name) for name in payload] * 3
+
+
+def test_a_product_of_two_joints_that_wind_up_over_more_than_a_turn():
+    """Periodic functions leave much of it, those over the whole travel next to nothing; joints that turn no
+    more than once have the former alone."""
+
+    def left(name):
+        robot = load_robot(name)
+        problem = problem_of(planned(robot, random_poses(robot, 400, np.random.default_rng(1))))
+        product = problem.q[:, 3] * problem.q[:, 4]
+        forms = [one for one in Product.sites(problem) if one.where.joint == problem.arm.names[0]]
+        pair = [one for one in forms if (one.where.other, one.third) == (problem.arm.names[3], 4.0)]
+        for one in pair:
+            basis = one.basis(problem.q, None, problem.arm.names)
+            yield np.std(product - basis @ np.linalg.lstsq(basis, product)[0]) / np.std(product)
+
+    around, whole = left("ur5")
+    assert whole < 0.1 < 0.5 < around
+    assert len(list(left("irb120"))) == 1

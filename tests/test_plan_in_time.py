@@ -86,7 +86,7 @@ def test_an_arm_is_worked_warm_where_there_is_time_for_it():
     def made(wait):
         cell = CellData(driving=DrivingData(warm_up_min=wait))
         told = "thermal_growth,gear_ratio:joint=joint_2"
-        return plan(load_robot("irb120"), tell=told, minutes=4, cell=cell, quick=True)
+        return plan(load_robot("cylindrical"), tell=told, minutes=4, cell=cell, quick=True)
 
     quick = made(0.5)
     assert quick.drive.total_s < 4.4 * 60

@@ -290,6 +290,16 @@ def test_what_brings_nothing_without_what_has_no_name_is_not_sure(wheel, monkeyp
     assert share(found) > 0.95  # nothing without a name is there
 
 
+def test_two_that_bring_something_beside_each_other_alone_are_not_sure(monkeypatch):
+    """The first of four stands by itself, the last as well; the two between only prop each other up."""
+    chances = {(0, 1, 2, 3): 1.0, (1, 2, 3): 0.6, (2, 3): 0.99, (3,): 0.98}
+    groups = [(SimpleNamespace(key=name), [i]) for i, name in enumerate("abcd")]
+    selection: Any = SimpleNamespace(fit=None, groups=groups, nameless=[], agreed={"d"})
+    monkeypatch.setattr(worth, "_chance", lambda fit, beside, own, seed: chances[tuple(own)])
+    monkeypatch.setattr(worth, "no_surer", lambda selection, surest: surest)
+    assert worth._sure_together(selection, seed=0) == {"a": 1.0, "b": 0.6, "c": 0.6}
+
+
 @pytest.mark.parametrize("uneven", [0.0, 1.5])
 def test_an_effect_may_do_more_at_one_position_than_at_another(monkeypatch, uneven):
     """What brings all positions nearer is sure, whether it does as much everywhere or not; what does nothing

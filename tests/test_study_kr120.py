@@ -34,7 +34,7 @@ class Fewer(StudyRun):
         return quick // 2 if quick >= 24 and quick != 40 else quick
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=[pytest.param(None, marks=pytest.mark.slow)])
 def found(folder: Path) -> Study:
     """With half the poses in the campaigns that decide: of them it is tested that all are diagnosed."""
     with pytest.MonkeyPatch.context() as patch:

@@ -47,7 +47,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("rx170")
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=[pytest.param(None, marks=pytest.mark.slow)])
 def found(folder: Path) -> Study:
     """Joints 3 and 5 are swept in fewer poses than joint 2 and have their gears' orders told: how orders are
     found, joint 2 shows. The spiral ends after half a turn."""

@@ -45,7 +45,7 @@ def worth_it(selection: Selection, noise_known: bool, seed: int) -> Selection:
     if rest:
         kept = _without_faint(kept, least, seed)
     kept = _that_bring_something(more_than_a_form(kept), least if rest else 0.0, seed)
-    return no_shadow(_that_stand_alone(kept, seed), error, seed)
+    return no_shadow(_that_stand_alone(_sure_together(kept, seed), seed), error, seed)
 
 
 def _pruned(selection: Selection, seed: int) -> tuple[Selection, float]:
@@ -130,6 +130,18 @@ def _without_faint(kept: Selection, least: float, seed: int) -> Selection:
     together = without(result, range(len(result.model.effects)), seed) - without(result, nameless, seed)
     faint = frozenset(key for key, gain in _gains_mm(kept, seed).items() if min(gain, together) < least)
     return replace(kept, faint=kept.faint | faint)
+
+
+def _sure_together(kept: Selection, seed: int) -> Selection:
+    """No name surer than that it and all weaker ones, or a stronger one and these, together bring poses that
+    were held out nearer to their places: two that each bring something beside the other alone prop each
+    other up."""
+    surest, least = dict[Key, float](), 1.0
+    for effect, own, weaker in _one_by_one(kept.groups):
+        least = min(least, max(_chance(kept.fit, out, [*own, *weaker], seed) for out in ([], kept.nameless)))
+        if effect.key not in kept.agreed:
+            surest[effect.key] = least
+    return no_surer(kept, surest)
 
 
 def _that_stand_alone(kept: Selection, seed: int) -> Selection:

@@ -52,12 +52,15 @@ class Pair(Unnamed, TransmissionEffect):
 
 @dataclass(frozen=True)
 class Product(Unnamed, TransmissionEffect):
-    """A joint's error by products of waves of two other joints: for a joint that scatters."""
+    """A joint's error by products of waves of two other joints: for a joint that scatters. Of a joint that
+    turns more than once they are over the turn, or over its whole travel, as of what winds up."""
 
     variant: str = "product"
     third: float = 0.0
+    other_slower: float = 1.0
+    third_slower: float = 1.0
 
-    settings: ClassVar[tuple[str, ...]] = ("size", "third")
+    settings: ClassVar[tuple[str, ...]] = ("size", "third", "other_slower", "third_slower")
     by_motor: ClassVar[bool] = False
     functions: ClassVar[int] = 36
 
@@ -69,16 +72,20 @@ class Product(Unnamed, TransmissionEffect):
         return np.asarray(problem.q[:, problem.joint(self.where.other)])
 
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
-        a, b = waves(q[:, joints.index(str(self.where.other))], 3), waves(q[:, int(self.third)], 3)
+        a = waves(self.other_slower * q[:, joints.index(str(self.where.other))], 3)
+        b = waves(self.third_slower * q[:, int(self.third)], 3)
         return np.asarray((a[:, :, None] * b[:, None, :]).reshape(len(q), -1))
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
         arm = problem.arm
         turning = [j for j in moving(problem) if not arm.prismatic[j]]
+        travel = np.ptp(problem.q, axis=0)
+        slower = {j: [1.0, np.pi / travel[j]] if travel[j] > 2 * np.pi else [1.0] for j in turning}
         return [
-            cls(Where(joint=arm.names[i], other=arm.names[j]), third=float(k))
+            cls(Where(joint=arm.names[i], other=arm.names[j]), third=float(k), other_slower=a, third_slower=b)
             for i in range(arm.n) for j in turning for k in turning if i != j < k != i
+            for a, b in dict.fromkeys([(1.0, 1.0), (slower[j][-1], slower[k][-1])])
         ]  # fmt: skip
 
 
