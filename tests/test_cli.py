@@ -396,10 +396,11 @@ def test_simulate_tells_an_effect_that_moves_nothing(tmp_path, capsys):
 
 def test_simulate_takes_all_that_a_file_of_poses_says(tmp_path, capsys):
     rows = [
-        "pose_id,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,payload,dir2,t_s,temp_degC,fz_N",
-        "a,0,-90,90,0,45,0,,1,0,20,0",
-        "b,10,-80,80,5,40,0,heavy,-1,60,25,-100",
-        "c,10,-70,80,5,40,30,heavy,1,120,26,0",
+        "pose_id,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,payload,dir2,t_s,temp_degC,fz_N,setup,"
+        + ",".join(f"r{j}_deg" for j in range(1, 7)),
+        "a,0,-90,90,0,45,0,,1,0,20,0,A,0,-90,90,0,45,0",
+        "b,10,-80,80,5,40,0,heavy,-1,60,25,-100,B,10.1,-80,80,5,40,0",
+        "c,10,-70,80,5,40,30,heavy,1,120,26,0,B,10,-70,80,5,40,30",
     ]
     (tmp_path / "plan.csv").write_text("\n".join([*rows, ""]))
     command = ["simulate", "kr500", "--poses", tmp_path / "plan.csv", "--out", tmp_path / "made"]
@@ -414,6 +415,10 @@ def test_simulate_takes_all_that_a_file_of_poses_says(tmp_path, capsys):
     assert made.poses.time.tolist() == [0, 60, 120]
     assert made.poses.temperature.tolist() == [20, 25, 26]
     assert made.poses.wrench[:, 2].tolist() == [0, -100, 0]
+    assert [made.setup_names[k] for k in made.poses.setup] == ["A", "B", "B"]
+    assert np.degrees(made.poses.readback[:, 0]).tolist() == pytest.approx([0, 10.1, 10])
+    status, *_ = call(capsys, *command, "--payload", "heavy=200", "--effect", "readback_joints:weight=1")
+    assert status == 0
 
 
 def test_simulate_on_a_grid_and_from_a_file(folder, tmp_path, capsys):

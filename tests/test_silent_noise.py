@@ -53,6 +53,7 @@ def test_what_a_cause_leaves_does_not_count_as_its_noise():
     assert noise_of(before)[1] > 1.15 * own
     assert stated == pytest.approx(STATED)
     assert own == pytest.approx(SILENT, rel=0.15)
+    assert outcome.diagnosis.noise.sigma_mm == pytest.approx(1e3 * outcome.prepared.covariance.usual)
     said = [note for note in outcome.prepared.notes if "where none is stated" in note]
     assert said == [
         f"Taken for noise where none is stated: {1e3 * own:.4f} mm per axis in c2, which the model leaves "

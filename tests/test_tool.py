@@ -126,7 +126,7 @@ def test_a_payload_in_all_poses_is_what_is_mounted():
     assert {(str(one.where), one.always_there) for one in sites} == {("tool", False)}
     for mass in (10.0, 100.0):  # a tool that is stated as well may be another, lighter or heavier
         both = Payload.sites(problem_of(replace(carrying, tool_mass=mass)))
-        assert {str(one.where) for one in both if one.always_there} == {"tool, always mounted"}
+        assert {str(one.where) for one in both if one.always_there} == {"tool (always mounted)"}
 
 
 def test_what_was_found_of_a_tool_holds_for_this_one_alone():

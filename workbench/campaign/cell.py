@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
+from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from ..files.faults import Fault, InputError
+from ..files.section import Section
 from ..files.toml import read_toml
 from ..robot.schema import toml_faults
 
@@ -19,11 +20,7 @@ Positive = Annotated[FiniteFloat, Field(gt=0, le=MOST)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0, le=MOST)]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class InstrumentData(_Section):
+class InstrumentData(Section):
     """`[instrument]`: where it stands while it measures. Planned poses are those that it sees."""
 
     xyz_mm: Place
@@ -33,7 +30,7 @@ class InstrumentData(_Section):
     says)"""
 
 
-class ObstacleData(_Section):
+class ObstacleData(Section):
     """`[[obstacles]]`: a box or the convex hull of a mesh that the robot must not touch, or that it
     carries."""
 
@@ -58,7 +55,7 @@ class ObstacleData(_Section):
         return self
 
 
-class DrivingData(_Section):
+class DrivingData(Section):
     """`[driving]`: how the poses are driven to, and what things cost."""
 
     speed_share: Annotated[FiniteFloat, Field(gt=0, le=1)] = 0.1
@@ -82,7 +79,7 @@ class DrivingData(_Section):
     """of a horizontal pull at the flange that can be rigged; absent: none can"""
 
 
-class CellData(_Section):
+class CellData(Section):
     """The sections that a plan looks at, in `campaign.toml` or in a file of their own (`--cell`)."""
 
     instrument: InstrumentData | None = None

@@ -117,7 +117,7 @@ class Campaign:
         """What is always mounted, stated or not, as a place of causes; a payload may have the name."""
         name = TOOL
         while name in self.payload_names:
-            name += ", always mounted"
+            name += " (always mounted)"
         return name
 
     @property

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
+from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from ..files.faults import Fault, InputError
+from ..files.section import Section
 from ..files.tables import Column, ColumnPlace, Layout
 from ..files.toml import read_toml, toml_key
 from ..robot.description import Joint, Robot
@@ -18,10 +19,6 @@ from .exports import EXPORTS, PROGRAM_EXPORTS
 from .known import KnownData, Name
 
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
-
-
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class TableFile(Layout):
@@ -68,7 +65,7 @@ class PosesFile(TableFile):
     are known then, in the header and under `columns`"""
 
 
-class TargetData(_Section):
+class TargetData(Section):
     """`[targets.T1]`."""
 
     xyz_mm: Vector3 | None = None
@@ -82,7 +79,7 @@ class TargetData(_Section):
     """direction into which its reflector opens, in the frame of `on`; absent: a plan proposes one"""
 
 
-class NoiseData(_Section):
+class NoiseData(Section):
     """`[noise]`."""
 
     sigma_mm: Annotated[FiniteFloat, Field(ge=1e-5)] | None = None
@@ -92,7 +89,7 @@ class NoiseData(_Section):
     """the targets of a pose are points of one 6-D measurement, wild as a whole or not at all"""
 
 
-class CampaignFile(_Section):
+class CampaignFile(Section):
     """The whole of `campaign.toml`."""
 
     schema_: Literal[1] = Field(alias="schema")
@@ -105,7 +102,7 @@ class CampaignFile(_Section):
     """what the controller was told"""
     points: PointsFile
     """what the instrument saw, in its own frame"""
-    targets: dict[Name, TargetData] = {}
+    targets: dict[Name, TargetData] = Field(default_factory=dict)
     """what it looked at, by name"""
     noise: NoiseData = NoiseData()
     """of the measurement"""
@@ -113,7 +110,7 @@ class CampaignFile(_Section):
     """besides what was measured here"""
     tool: LoadData = LoadData(mass_kg=0.0)
     """always mounted"""
-    payloads: dict[Name, LoadData] = {}
+    payloads: dict[Name, LoadData] = Field(default_factory=dict)
     """loads by their names in the poses"""
     instrument: InstrumentData | None = None
     """where it stands, for plans"""

@@ -6,10 +6,11 @@ import re
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import Field, FiniteFloat, ValidationError
 
 from ..files.faults import Fault, InputError
 from ..files.measure import AboveZero
+from ..files.section import Section
 
 Name = Annotated[str, Field(min_length=1)]
 EXAMPLE = 'like link_mass:link=link_2,mass_kg=311,std=2 or "no backlash(joint_5)"'
@@ -17,7 +18,7 @@ _TEXTS = ("joint", "other", "link", "payload", "variant", "note")
 _NUMBERS = ("order", "std", "temp_degC")
 
 
-class FactData(BaseModel):
+class FactData(Section):
     """`[[known.facts]]`: one number of one cause, measured by other means.
 
     parameter: as `workbench causes` lists it, the difference from the robot's model; or the whole quantity:
@@ -25,8 +26,6 @@ class FactData(BaseModel):
     compensator `precharge_bar` (absolute), `gauge_bar` (over the atmosphere), both at its `reference`, `rate`
     (N/m), or of a spring `free_length` (m, with variant = "preload").
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     cause: Name
     """as `workbench causes` lists it"""
@@ -62,10 +61,8 @@ class FactData(BaseModel):
         return f"{self.parameter} {self.value:g}{spread}{at}"
 
 
-class KnownData(BaseModel):
+class KnownData(Section):
     """`[known]`: what is known of the instrument and of the robot, besides what was measured here."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     scale: AboveZero = 1.0
     """true length by the length that the instrument shows"""
@@ -94,6 +91,14 @@ def and_told(known: KnownData, texts: Sequence[str]) -> KnownData:
     return known
 
 
+def _number(text: str) -> float | str:
+    """What a text says as a number; itself where it is none: that is told as a fault of its key."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def parse_known(text: str) -> KnownData:
     """`no CAUSE`, `no CAUSE(PLACE)`, or `CAUSE:place=...,PARAMETER=NUMBER,std=NUMBER`. Raises InputError."""
     excluded = re.fullmatch(r"\s*no\s+(.+?)\s*", text)
@@ -106,14 +111,14 @@ def parse_known(text: str) -> KnownData:
         if not equals:
             raise InputError(Fault(place, f"{pair!r} is no key=value", EXAMPLE))
         if key in (*_TEXTS, *_NUMBERS):
-            said[key] = value
+            said[key] = _number(value) if key in _NUMBERS else value
         else:
             numbers[key] = value
     if len(numbers) != 1:
         raise InputError(Fault(place, f"says {len(numbers)} numbers, not one", EXAMPLE))
     ((parameter, value),) = numbers.items()
     try:
-        fact = FactData(cause=cause.strip(), parameter=parameter, value=value, **said)  # type: ignore[arg-type]
+        fact = FactData(cause=cause.strip(), parameter=parameter, value=_number(value), **said)  # type: ignore[arg-type]
     except ValidationError as error:
         where = [f"{place}: {'.'.join(map(str, item['loc']))}" for item in error.errors()]
         what = [str(item["msg"]) for item in error.errors()]

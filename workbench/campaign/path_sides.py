@@ -8,6 +8,7 @@ from .poses import Array, IntArray
 
 STILL = 1e-5  # rad or m: by less no joint moves on
 KEEPS = 0.8  # of the joints' motions go on as the one before; of poses in any order a third do
+BEYOND = 1e100  # rad, m: as far as anything squares; who asks judges such numbers pose by pose
 CLOSE = 0.3  # times the distance of two poses drawn at random, at which the next pose is
 
 
@@ -17,6 +18,7 @@ def sides_along(q: Array, setup: IntArray, time: Array | None) -> Array | None:
     time: (N,) [s], which their order is by where it is known."""
     when = np.arange(len(q)) if time is None or not np.isfinite(time).all() else time
     order = np.lexsort((when, setup))
+    q = np.clip(q, -BEYOND, BEYOND)
     spread = q.std(axis=0)
     moving = spread > STILL
     if len(q) < 4 or not moving.any():

@@ -65,7 +65,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"^-\.?\d")  # its own knows a single number
 
     def error(self, message: str) -> NoReturn:
-        super().error(plain(message))
+        self.exit(2, f"error: {plain(message)}; see {self.prog} --help\n")
 
 
 class _Version(argparse.Action):

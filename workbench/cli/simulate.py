@@ -147,6 +147,8 @@ def _planned(arguments: argparse.Namespace, robot: Robot, rng: np.random.Generat
         direction=poses.direction,
         time=poses.time,
         temperature=poses.temperature,
+        readback=poses.readback,
+        setup=poses.setup,
         title=f"{robot.title}, simulated, {len(poses.q)} poses",
     )
     for words in beyond_limits(robot, poses.q):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..campaign.check import check_poses
 from ..campaign.file import pose_columns
@@ -28,7 +29,7 @@ MOST_TURNED = 100.0  # rad: no joint turns so far
 @dataclass(frozen=True)
 class Told:
     """What the robot is told in N poses, as in `Campaign`; payload: (N,) names, empty while none are said;
-    ids: (N) of a file that names its poses."""
+    ids: (N) of a file that names its poses, and setup."""
 
     q: Array
     payload: Sequence[str] = ()
@@ -36,29 +37,36 @@ class Told:
     direction: Array | None = None
     time: Array | None = None
     temperature: Array | None = None
+    readback: Array | None = None
+    setup: Sequence[str] | None = None
     ids: tuple[str, ...] = ()
 
     def with_and_without(self, payloads: Sequence[str]) -> Told:
         """Every pose without and with each payload, unless a file said which."""
         if self.payload:
             return self
-        copies = 1 + len(payloads)
-        carried = [name for name in ["", *payloads] for _ in range(len(self.q))]
-        tiled: dict[str, Any] = {
-            name: np.concatenate([values] * copies)
-            for name in ("wrench", "direction", "time", "temperature")
-            if (values := getattr(self, name)) is not None
-        }
-        ids = self.ids if copies == 1 else ()
-        return replace(self, q=np.tile(self.q, (copies, 1)), payload=carried, ids=ids, **tiled)
+        copies, count = 1 + len(payloads), len(self.q)
+        carried = [name for name in ["", *payloads] for _ in range(count)]
+        every = self._rows(np.tile(np.arange(count), copies))
+        return replace(every, payload=carried, ids=self.ids if copies == 1 else ())
 
     def over(self, hours: float, shuffled: np.random.Generator | None) -> Told:
         """At even times, in random order if `shuffled`, unless a file said when."""
         if hours <= 0 or self.time is not None:
             return self
-        order = np.arange(len(self.q)) if shuffled is None else shuffled.permutation(len(self.q))
         time = np.linspace(0, 3600 * hours, len(self.q))
-        return replace(self, q=self.q[order], payload=[self.payload[i] for i in order], time=time)
+        told = self if shuffled is None else self._rows(shuffled.permutation(len(self.q)))
+        return replace(told, time=time)
+
+    def _rows(self, rows: NDArray[np.int64]) -> Told:
+        """What it is told in these of its poses."""
+        parts: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+        for name, value in parts.items():
+            if isinstance(value, np.ndarray):
+                parts[name] = value[rows]
+            elif value:
+                parts[name] = tuple(value[i] for i in rows)
+        return Told(**parts)
 
     def warming_up(self, rise: float) -> Told:
         """From 20 °C up by `rise` [K] in three time constants, unless a file said how warm."""
@@ -99,7 +107,7 @@ def from_file(robot: Robot, file: str, loads: dict[str, Load]) -> tuple[Told, di
         found = [zero if values is None else np.nan_to_num(values) for values in given]
         return None if all(values is None for values in given) else np.stack(found, axis=1)
 
-    q = columns([f"q{j + 1}" for j in range(n)])
+    q, read = (columns([f"{one}{j + 1}" for j in range(n)]) for one in "qr")
     assert q is not None
     told = Told(
         q,
@@ -108,6 +116,8 @@ def from_file(robot: Robot, file: str, loads: dict[str, Load]) -> tuple[Told, di
         direction=columns([f"dir{j + 1}" for j in range(n)]),
         time=filled(table.numbers.get("t"), 0.0),
         temperature=filled(table.numbers.get("temp"), 0.0),
+        readback=read,
+        setup=table.texts.get("setup"),
         ids=tuple(table.texts.get("pose_id", ())),
     )
     return told, loads

@@ -17,6 +17,7 @@ from ..identification.plausible import believed, enough_poses
 from ..identification.registration import register
 from ..robot.kinematics import Array
 from .candidates import untold
+from .data_faults.wild_points import FARTHEST
 from .found import NotTestable
 from .noise.distances import far_too_much
 
@@ -61,6 +62,9 @@ class FirstLook:
 
 def first_look(campaign: Campaign) -> FirstLook:
     """Registers the points with the nominal robot, and judges whether they belong to it."""
+    possible = np.asarray((np.abs(campaign.poses.q) <= FARTHEST).all(axis=1))
+    if 0 < possible.sum() < len(possible):  # a warning says which joint is not
+        campaign = campaign.some(np.flatnonzero(possible))
     problem = problem_of(campaign)
     no_faults: tuple[Fault, ...] = ()
     try:

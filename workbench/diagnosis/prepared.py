@@ -113,8 +113,10 @@ class Prepared:
         if np.allclose(covariance.sigma, self.covariance.sigma, rtol=ALIKE, atol=0.0):
             return None
         before = [note for note in self.notes if not note.startswith(SILENT)]
-        notes = (*before, *said_of_silent(self.problem, covariance))
-        return replace(self._under(covariance), notes=notes)
+        notes, usual = (*before, *said_of_silent(self.problem, covariance)), 1e3 * covariance.usual
+        words = f"{usual:.4f} mm per axis, as stated where it is, elsewhere as the model leaves it."
+        noise = replace(self.noise, sigma_mm=usual, sentence=words)
+        return replace(self._under(covariance), noise=noise, notes=notes)
 
     def with_distances(self, result: Fit) -> Prepared | None:
         """The same with the noise that distances between targets show, where nobody stated one and a better

@@ -9,9 +9,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, Field
 
 from .faults import Fault
+from .section import Section
 from .table_units import NO_UNIT, UNITS, USUAL, Unit
 
 
@@ -23,19 +24,17 @@ def _known_encoding(name: str) -> str:
     return name
 
 
-def _not_zero(number: int) -> int:
-    if number == 0:
+def _not_zero(place: int | str) -> int | str:
+    if place == 0:
         raise ValueError("columns count from 1")
-    return number
+    return place
 
 
-ColumnPlace = Annotated[int, AfterValidator(_not_zero)] | str
+ColumnPlace = Annotated[int | str, AfterValidator(_not_zero)]
 
 
-class Layout(BaseModel):
+class Layout(Section):
     """How a text table is laid out; the defaults are our own layout."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     separator: Annotated[str, Field(pattern=r"^[^\w.+\-\"\r\n]$")] = ","
     """between columns; a blank means any run of blanks and tabs"""
@@ -49,9 +48,9 @@ class Layout(BaseModel):
     """what comment lines begin with"""
     encoding: Annotated[str, AfterValidator(_known_encoding)] = "utf-8"
     """of the text; a byte order mark says it itself"""
-    columns: dict[str, ColumnPlace] = {}
+    columns: dict[str, ColumnPlace] = Field(default_factory=dict)
     """our name → the file's: a number (1 = first) or a name, with a minus where the sign is turned"""
-    units: dict[str, str] = {}
+    units: dict[str, str] = Field(default_factory=dict)
     """our name → the unit in the file, where it is another than the name says"""
 
 

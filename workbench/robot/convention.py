@@ -18,9 +18,10 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import Field, FiniteFloat
 
 from ..files.faults import Fault
+from ..files.section import Section
 from .kinematics import Array
 from .loop import Loop
 from .rotations import from_zyx, pose
@@ -32,11 +33,7 @@ Name = Annotated[str, Field(min_length=1)]
 Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class FrameData(_Table):
+class FrameData(Section):
     """A frame: its origin, and its turn R = Rz(a) Ry(b) Rx(c)."""
 
     xyz_mm: Triple = (0.0, 0.0, 0.0)
@@ -49,7 +46,7 @@ class FrameData(_Table):
         return pose(1e-3 * np.array(self.xyz_mm), from_zyx(np.radians([self.abc_deg]))[0])
 
 
-class CouplingData(_Table):
+class CouplingData(Section):
     """The controller's joint `joint` also counts the joint `on`, times `factor`."""
 
     joint: Name
@@ -60,7 +57,7 @@ class CouplingData(_Table):
     """times this"""
 
 
-class Controller(_Table):
+class Controller(Section):
     """`[controller]`: lists over the controller's joints, in the controller's order."""
 
     make: str = ""

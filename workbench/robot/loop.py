@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator
 
 from ..files.measure import AboveZero
+from ..files.section import Section
 
 
-class Loop(BaseModel):
+class Loop(Section):
     """A sampled cascade: position loop and velocity loop (PI) on the motor's encoder. SI units."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(allow_inf_nan=False)
 
     position_period: float = Field(default=0.004, ge=1e-4, le=0.05)
     """sampling of the position loop [s]"""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -10,6 +11,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, 
 
 from ..files.faults import Fault, InputError, read_text
 from ..files.measure import AboveZero
+from ..files.section import Section
 from ..files.table_columns import suggest
 from ..files.toml import read_toml
 from ..files.toml_place import keys_at, line_of, places
@@ -17,6 +19,7 @@ from .convention import Controller
 from .loop import Loop
 from .uncertainty import Uncertainty
 
+FILE_NAME = re.compile(r"\w[\w.+-]*")
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
 FLANGE = "flange"  # what `[geometry]` calls its frame
 EXAMPLES = {
@@ -43,8 +46,19 @@ def _gear(ratio: float) -> float:
 GearRatio = Annotated[float, AfterValidator(_gear)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+def _of_files(name: str) -> str:
+    if not FILE_NAME.fullmatch(name):
+        raise ValueError(
+            "is no name of a file: letters, digits and _ . + -, the first a letter, a digit or _"
+        )
+    return name
+
+
+FileName = Annotated[str, AfterValidator(_of_files)]
+
+
+class _Table(Section):
+    model_config = ConfigDict(allow_inf_nan=False)
 
 
 class JointData(_Table):
@@ -152,7 +166,7 @@ class EffectRecord(_Table):
     """cycles per joint turn; of a sliding joint 2π over its period in m"""
     variant: str = ""
     """of the cause, where it has some"""
-    values: dict[str, float] = {}
+    values: dict[str, float] = Field(default_factory=dict)
     """parameters by name, SI units"""
 
 
@@ -161,7 +175,7 @@ class RobotFile(_Table):
 
     schema_: Literal[1] = Field(alias="schema")
     """the version of this format, 1"""
-    name: str
+    name: FileName
     """short, without blanks"""
     title: str = ""
     """for pages"""
@@ -183,16 +197,16 @@ class RobotFile(_Table):
     """links that bend"""
     controller: Controller = Controller()
     """how the robot's controller counts joints and names frames"""
-    source: dict[str, Any] = {}
+    source: dict[str, Any] = Field(default_factory=dict)
     """where each number comes from"""
     tool: LoadData | None = None
     """in a model.toml: what the campaign behind it carried"""
-    payloads: dict[str, LoadData] = {}
+    payloads: dict[str, LoadData] = Field(default_factory=dict)
     """in a model.toml: the campaign's loads by name"""
     mounted: str = ""
     """in a model.toml of campaigns with other tools: the payload that is the tool of the last; poses that do
     not say what the arm carries have it"""
-    geometry: dict[str, dict[str, float]] = {}
+    geometry: dict[str, dict[str, float]] = Field(default_factory=dict)
     """in a model.toml: corrections by joint, Trans(tx, ty, tz) Rx Ry Rz [m, rad] before its motion, on the
     joint's axes in the URDF, which the smallest rotation turns so that z is the axis of motion; and of the
     `flange`, where fixed targets on it showed how it stands"""
@@ -236,8 +250,9 @@ def toml_faults(
     for item in error.errors():
         *table, name = item["loc"] or ("file",)
         key, value = ".".join(str(part) for part in (*table, name)), item.get("input")
-        said = f" (is {value!r})" if isinstance(value, str | int | float | bool) else ""
-        what = SAID.get(item["type"], item["msg"] + said)
+        plain = isinstance(value, str | int | float | bool) and item["type"] != "wrong_kind"
+        what = item["msg"].removeprefix("Value error, ") + (f" (is {value!r})" if plain else "")
+        what = SAID.get(item["type"], what)
         mend = "the first line is schema = 1" if key == "schema" else ""
         if item["type"] == "extra_forbidden":
             known = keys_at(model, tuple(table))
@@ -256,6 +271,14 @@ def unknown_names(path: Path, file: RobotFile, joints: list[str], links: set[str
         for link in file.links
         if link.name not in links
     ]
+    for kind, names in (
+        ("joints", [one.name for one in file.joints]),
+        ("links", [one.name for one in file.links]),
+    ):
+        faults += [
+            Fault(f"{path}: {kind}.{name}", f"is there {names.count(name)} times", "keep one table")
+            for name in dict.fromkeys(names) if names.count(name) > 1
+        ]  # fmt: skip
     if file.mounted and file.mounted not in file.payloads:
         known = f"has: {[*file.payloads]}"
         faults.append(Fault(f"{path}: mounted", f"no payload {file.mounted!r}", known))
@@ -271,6 +294,8 @@ def unknown_names(path: Path, file: RobotFile, joints: list[str], links: set[str
         place = f"{path}: compensator"
         faults += [Fault(f"{place}.{name}", f"missing, a {compensator.kind} compensator needs it")
                    for name in compensator.missing()]  # fmt: skip
+        if compensator.body == compensator.arm:
+            faults.append(Fault(f"{place}.arm", "its pivots are on one link", "body and arm are two links"))
         if compensator.joint not in joints:
             faults.append(Fault(f"{place}.joint", f"no joint {compensator.joint!r}", f"has: {joints}"))
         faults += [

@@ -6,7 +6,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationInfo, field_validator
+from pydantic import Field, FiniteFloat, ValidationInfo, field_validator
+
+from ..files.section import Section
 
 DIGITS = 6
 ON_A_LINE = 12
@@ -15,11 +17,7 @@ Numbers = tuple[FiniteFloat, ...]
 Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Turning(_Table):
+class Turning(Section):
     """In a model.toml: what bounds of the tool's turns have where it was measured as a pose, as those of its
     points in `prediction`."""
 
@@ -31,7 +29,7 @@ class Turning(_Table):
     """1/rad (3 m⁻¹ of a sliding joint): the bound's growth outside of the measured range"""
 
 
-class ToolPoint(_Table):
+class ToolPoint(Section):
     """A target on the flange: where the errors are predicted."""
 
     name: str
@@ -42,7 +40,7 @@ class ToolPoint(_Table):
     """where it is best taken to be with the nominal robot"""
 
 
-class Uncertainty(_Table):
+class Uncertainty(Section):
     """In a model.toml: covariance of the fitted numbers, and bounds that held on poses held out."""
 
     points: tuple[ToolPoint, ...] = Field(min_length=1)

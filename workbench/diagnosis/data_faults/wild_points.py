@@ -364,7 +364,7 @@ def _frozen(problem: Problem) -> Mended:
     for t in np.flatnonzero(problem.on):
         still = np.all(np.abs(np.diff(c.points[:, t], axis=0)) < 1e-9, axis=1)
         moved = np.linalg.norm(np.diff(expected[:, t], axis=0), axis=1) > 1e-3
-        if still.mean() < MAJORITY:
+        if still.any() and still.mean() < MAJORITY:
             wrong[1:, t] = still & moved
     if not wrong.any():
         return Mended(problem, ())

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import Field, FiniteFloat, ValidationError
 
 from ...files.faults import Fault, InputError
+from ...files.section import Section
 from ...files.toml import read_toml, toml_text
 from ...files.whole import put_all
 from ...robot.description import load_robot
@@ -22,8 +23,7 @@ Vector = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 Count = Annotated[int, Field(ge=1)]
 
 
-class _File(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class _File(Section):
     schema_: Literal[1] = Field(alias="schema")
     lower_mm: Vector
     upper_mm: Vector
