@@ -130,7 +130,7 @@ def doubts(poses: Table, points: Table, robot: Robot) -> list[str]:
         if joint.kind == "revolute" and abs(q[largest]) > 100.0:
             place = f"{poses.path} line {poses.lines[largest]}"
             warnings.append(
-                f"{place}: {label} turns {abs(q[largest]) / (2 * np.pi):.4g} times; are these degrees?"
+                f"{place}: {label} turns {abs(q[largest]) / (2 * np.pi):.2g} times; are these degrees?"
             )
             continue
         beyond = joint.beyond(q)
