@@ -100,6 +100,20 @@ def test_another_robot_is_no_test_though_its_joints_have_the_same_names():
         diagnose(replace(test, robot=left), test=replace(test, robot=right))
 
 
+def test_an_instrument_that_steps_in_the_course_of_a_test_is_told_as_in_a_fit():
+    campaign = measured("ur5", poses=60, loads=())
+    prepared, test = prepare(campaign.some(np.arange(30))), campaign.some(np.arange(30, 60))
+    sound = figures_on(prepared.nominal, prepared.geometry, test)
+    assert sound.faults == ()
+    points = test.points.copy()
+    points[14:] += [1e-3, -5e-4, 0.0]
+    stepped = figures_on(prepared.nominal, prepared.geometry, with_points(test, points))
+    (fault,) = stepped.faults
+    assert (fault.kind, fault.pose_id) == ("moved_instrument", test.poses.ids[14])
+    assert stepped.after_mean_mm == pytest.approx(sound.after_mean_mm, rel=0.1)
+    assert stepped.all_mean_mm > 0.5
+
+
 def test_a_test_that_is_refused_is_refused_before_the_search():
     _, test, whole = halves()
     told = []

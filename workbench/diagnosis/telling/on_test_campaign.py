@@ -12,6 +12,7 @@ from ...campaign import Campaign, Target
 from ...campaign.other_tools import tool_as_in
 from ...campaign.problem import Problem
 from ...campaign.stepped import was_split
+from ...effects.base import Effect
 from ...files.faults import Fault, InputError
 from ...identification.fit import Fit, fit
 from ...identification.model import Model, State
@@ -21,6 +22,7 @@ from ...identification.plausible.check import REFUSED
 from ...identification.plausible.misfit import USUAL
 from ...identification.registration import register, spread_of
 from ...robot.kinematics import Array
+from ..data_faults.moved_setup import Step, split_setup, step_in_time
 from ..data_faults.wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
 from ..found import FaultFound, TestFigures
 from .remarks_on_test import beyond_measured, elsewhere, nothing_new, worse
@@ -32,8 +34,9 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     """Errors before (nominal robot) and after (what lasts of the final model) on `campaign`.
 
     Frame and targets come from the fitted set-up of the same name; only set-ups that the fitted
-    campaigns do not have, or have in two parts, get their own, fitted on the test poses. Data faults are
-    left out by the rules of the fit; the figures of all points stand beside.
+    campaigns do not have, or have in two parts, get their own, fitted on the test poses, as does what comes
+    after a step in the test's course. Data faults are left out by the rules of the fit; the figures of all
+    points stand beside.
     """
     final = final.lasting
     fitted = final.model.problem
@@ -44,11 +47,16 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     placed, apart = _set_up_anew(possible.problem, final)
     meant, said = believed(_as_found(placed, final))
     problem, faults = _cleaned(meant, final)
+    step = _step(problem, final)
+    if step is not None:  # as in a fit: what came after it has a frame and targets of its own
+        problem, faults = _cleaned(split_setup(meant, step.first), final)
+        faults = (step.fault(problem), *faults)
     before, after = _errors(problem, nominal), _errors(problem, final)
     if not problem.seen.any():
         raise InputError(Fault(str(campaign.path), "no usable point is left", "look at the points"))
-    off = np.linalg.norm(possible.problem.campaign.points - after.predicted, axis=2)
-    all_points = np.where(problem.seen, after.length, off)
+    whole = after if step is None else _errors(meant, final)
+    off = np.linalg.norm(possible.problem.campaign.points - whole.predicted, axis=2)
+    all_points = np.where(problem.seen & (step is None), after.length, off)
     beyond = beyond_measured(problem.campaign, final)
     moved = elsewhere(problem.campaign, after.predicted, _new_setups(problem, fitted), beyond)
     no_better = worse(before.length, after.length, beyond)
@@ -132,6 +140,16 @@ def _cleaned(problem: Problem, final: Fit) -> tuple[Problem, tuple[FaultFound, .
     return problem, faults
 
 
+def _step(problem: Problem, final: Fit) -> Step | None:
+    """A step in time of the instrument or the tool in the course of the test, beside frames and targets of
+    its own."""
+    known = _lasting(problem, final)
+    model = Model(replace(problem, arm=problem.arm.with_geometry(final.state.geometry)), (), known)
+    sigma = np.full(problem.seen.shape, float(np.median(final.noise.sigma)))
+    noise = Covariance(sigma, np.zeros(problem.arm.n), np.ones(len(problem.q)))
+    return step_in_time(fit(model, _carried(problem, final), noise, geometry=False))
+
+
 def _as_a_whole(problem: Problem, off: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """(N,) all that was seen of a pose is off (N, T): its robot may be. No wild shot is told from that where
     nothing like the pose was measured."""
@@ -140,14 +158,7 @@ def _as_a_whole(problem: Problem, off: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def _errors(problem: Problem, result: Fit) -> _Errors:
     """The test campaign's points as a fit predicts them, and its errors."""
-    fitted = result.model.problem.campaign
-    known = tuple(
-        (effect, values)
-        for effect, values in result.model.acting(result.state)
-        if effect.lasting
-        and effect.needs(problem) is None
-        and problem.campaign.has_as_in(fitted, effect.where.payload)
-    )
+    known = _lasting(problem, result)
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
     model = Model(problem, (), known)
     state = _carried(problem, result)
@@ -156,6 +167,18 @@ def _errors(problem: Problem, result: Fit) -> _Errors:
     predicted = model.predict(state)
     length = np.linalg.norm(problem.campaign.points - predicted, axis=2)
     return _Errors(predicted, np.where(problem.seen, length, np.nan))
+
+
+def _lasting(problem: Problem, result: Fit) -> tuple[tuple[Effect, Array], ...]:
+    """Effects of a fit, with their values, that act on the test campaign as well."""
+    fitted = result.model.problem.campaign
+    return tuple(
+        (effect, values)
+        for effect, values in result.model.acting(result.state)
+        if effect.lasting
+        and effect.needs(problem) is None
+        and problem.campaign.has_as_in(fitted, effect.where.payload)
+    )
 
 
 def _new_setups(problem: Problem, fitted: Problem) -> list[str]:
