@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, Literal, get_args, get_origin
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
+
+from .toml_place import kinds
 
 PLAIN = {str, bool, int, float}
 
@@ -20,12 +22,12 @@ class Section(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _of_its_kind(cls, value: Any, info: ValidationInfo) -> Any:
-        kinds = {*_kinds(cls.model_fields[str(info.field_name)].annotation)} - {type(None)}
-        if kinds <= PLAIN:  # no table with keys of its own
-            wanted = "true or false" if kinds == {bool} else "a text" if kinds == {str} else "a number"
+        may_be = {*_kinds(cls.model_fields[str(info.field_name)].annotation)} - {type(None)}
+        if may_be <= PLAIN:  # no table with keys of its own
+            wanted = "true or false" if may_be == {bool} else "a text" if may_be == {str} else "a number"
             for leaf in _leaves(value):
-                wrong = isinstance(leaf, bool | str) and type(leaf) not in kinds
-                if wrong or (kinds == {bool} and not isinstance(leaf, bool | None)):
+                wrong = isinstance(leaf, bool | str) and type(leaf) not in may_be
+                if wrong or (may_be == {bool} and not isinstance(leaf, bool | None)):
                     said = {"leaf": _said(leaf), "wanted": wanted}
                     raise PydanticCustomError("wrong_kind", "is {leaf}, not {wanted}", said)
         return value
@@ -36,18 +38,14 @@ def _said(leaf: object) -> str:
     return str(leaf).lower() if isinstance(leaf, bool) else repr(leaf)
 
 
-def _kinds(annotation: Any) -> Iterator[Any]:
+def _kinds(annotation: Any) -> Iterator[type]:
     """Types of what may stand in a field, in its lists, and under the keys of its tables."""
-    origin, parts = get_origin(annotation), get_args(annotation)
-    if origin is Literal:
-        yield from map(type, parts)
-    elif origin is Annotated:
-        yield from _kinds(parts[0])
-    elif parts:
-        for part in parts[-1:] if origin is dict else parts:
+    for one in kinds(annotation):
+        inside = get_args(one)[-1:] if get_origin(one) is dict else get_args(one)
+        for part in inside:
             yield from _kinds(part) if part is not Ellipsis else ()
-    else:
-        yield annotation
+        if not inside:
+            yield one if isinstance(one, type) else type(one)  # of a Literal's values
 
 
 def _leaves(value: Any) -> Iterator[Any]:

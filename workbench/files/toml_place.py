@@ -99,23 +99,23 @@ def keys_at(model: type[BaseModel], place: Place) -> list[str]:
         if fields := _fields(kind):
             kind = fields.get(str(part))
         else:  # a table of any names, or an array
-            inside = [get_args(one) for one in _kinds(kind) if len(get_args(one)) > 1]
+            inside = [get_args(one) for one in kinds(kind) if len(get_args(one)) > 1]
             kind = inside[0][isinstance(part, str)] if inside else None
     return sorted(_fields(kind))
 
 
-def _kinds(kind: Any) -> Sequence[Any]:
+def kinds(kind: Any) -> Sequence[Any]:
     """What an annotation allows, each by itself."""
     if get_origin(kind) is Annotated:
-        return _kinds(get_args(kind)[0])
+        return kinds(get_args(kind)[0])
     if get_origin(kind) in (None, dict, tuple, list):
         return [kind]
-    return [one for part in get_args(kind) for one in _kinds(part)]
+    return [one for part in get_args(kind) for one in kinds(part)]
 
 
 def _fields(kind: Any) -> dict[str, Any]:
     """Key → annotation, of the tables among what an annotation allows."""
-    tables = [one for one in _kinds(kind) if isinstance(one, type) and issubclass(one, BaseModel)]
+    tables = [one for one in kinds(kind) if isinstance(one, type) and issubclass(one, BaseModel)]
     return {
         field.alias or name: field.annotation for one in tables for name, field in one.model_fields.items()
     }

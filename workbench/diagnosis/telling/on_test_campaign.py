@@ -13,7 +13,6 @@ from ...campaign import Campaign, Target
 from ...campaign.other_tools import tool_as_in
 from ...campaign.problem import Problem
 from ...campaign.stepped import was_split
-from ...effects.base import Effect
 from ...files.faults import Fault, InputError
 from ...identification.fit import Fit, fit
 from ...identification.model import Model, State
@@ -144,12 +143,11 @@ def _cleaned(problem: Problem, final: Fit) -> tuple[Problem, tuple[FaultFound, .
 def _step(problem: Problem, final: Fit) -> Step | None:
     """A step in time of the instrument or the tool in the course of the test, beside frames and targets of
     its own."""
-    known = _lasting(problem, final)
-    model = Model(replace(problem, arm=problem.arm.with_geometry(final.state.geometry)), (), known)
+    model = _model(problem, final)
     sigma = np.full(problem.seen.shape, float(np.median(final.noise.sigma)))
     noise = Covariance(sigma, np.zeros(problem.arm.n), np.ones(len(problem.q)))
     with suppress(ArithmeticError):  # an arm too soft to stand there: the figures say so
-        return step_in_time(fit(model, _carried(problem, final), noise, geometry=False))
+        return step_in_time(fit(model, _carried(model.problem, final), noise, geometry=False))
     return None
 
 
@@ -161,10 +159,8 @@ def _as_a_whole(problem: Problem, off: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def _errors(problem: Problem, result: Fit) -> _Errors:
     """The test campaign's points as a fit predicts them, and its errors."""
-    known = _lasting(problem, result)
-    problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
-    model = Model(problem, (), known)
-    state = _carried(problem, result)
+    model = _model(problem, result)
+    state = _carried(model.problem, result)
     if new := _new_setups(problem, result.model.problem):
         state = _own_setups(model, state, new)
     predicted = model.predict(state)
@@ -172,16 +168,17 @@ def _errors(problem: Problem, result: Fit) -> _Errors:
     return _Errors(predicted, np.where(problem.seen, length, np.nan))
 
 
-def _lasting(problem: Problem, result: Fit) -> tuple[tuple[Effect, Array], ...]:
-    """Effects of a fit, with their values, that act on the test campaign as well."""
+def _model(problem: Problem, result: Fit) -> Model:
+    """The test campaign on the fitted geometry, with effects of the fit that last and act there as well."""
     fitted = result.model.problem.campaign
-    return tuple(
+    known = tuple(
         (effect, values)
         for effect, values in result.model.acting(result.state)
         if effect.lasting
         and effect.needs(problem) is None
         and problem.campaign.has_as_in(fitted, effect.where.payload)
     )
+    return Model(replace(problem, arm=problem.arm.with_geometry(result.state.geometry)), (), known)
 
 
 def _new_setups(problem: Problem, fitted: Problem) -> list[str]:

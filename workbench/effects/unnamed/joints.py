@@ -80,12 +80,11 @@ class Product(Unnamed, TransmissionEffect):
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
         arm = problem.arm
         turning = [j for j in moving(problem) if not arm.prismatic[j]]
-        travel = np.ptp(problem.q, axis=0)
-        slower = {j: [1.0, np.pi / travel[j]] if travel[j] > 2 * np.pi else [1.0] for j in turning}
+        slower = [float(np.pi / one) if one > 2 * np.pi else 1.0 for one in np.ptp(problem.q, axis=0)]
         return [
             cls(Where(joint=arm.names[i], other=arm.names[j]), third=float(k), other_slower=a, third_slower=b)
             for i in range(arm.n) for j in turning for k in turning if i != j < k != i
-            for a, b in dict.fromkeys([(1.0, 1.0), (slower[j][-1], slower[k][-1])])
+            for a, b in dict.fromkeys([(1.0, 1.0), (slower[j], slower[k])])
         ]  # fmt: skip
 
 
